@@ -1,0 +1,1 @@
+"""From a stripe on a wheel to gauge readings, with uncertainty.  Pure mathematics, lengths in mm."""

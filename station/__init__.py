@@ -1,0 +1,1 @@
+"""The world: camera, recordings, store, jobs, API, page, command line."""

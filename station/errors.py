@@ -1,0 +1,65 @@
+"""Everything the station can fail with.
+
+StationError
+├── InputUnusable          what the caller gave cannot be used: exit 2, HTTP 400 or 422
+├── NothingMeasurable      the work was done and the answer is no: exit 1
+├── CameraError            the camera or its link
+│   ├── CameraUnreachable  no camera answers at the address
+│   ├── CameraRefused      the camera does not take a setting, or another host controls it
+│   └── CameraLost         a camera in use stopped answering
+├── RecordingError         the MCAP file or its disk
+│   ├── RecordingUnreadable  not a recording, cut short, or damaged
+│   └── DiskFull           no space left for what arrives
+├── NotFound               a name the station does not know
+└── StateConflict          a command the present state forbids
+
+A message is one line: what was seen, what is allowed, what to do.
+"""
+
+
+class StationError(Exception):
+    """Base of all failures of the station; the message says what to do next."""
+
+
+class InputUnusable(StationError):
+    """What the caller gave cannot be used."""
+
+
+class NothingMeasurable(StationError):
+    """The work was done and the answer is no."""
+
+
+class CameraError(StationError):
+    """The camera or its link failed."""
+
+
+class CameraUnreachable(CameraError):
+    """No camera answers at the address."""
+
+
+class CameraRefused(CameraError):
+    """The camera does not take a setting, or another host controls it."""
+
+
+class CameraLost(CameraError):
+    """A camera in use stopped answering."""
+
+
+class RecordingError(StationError):
+    """The recording could not be written or read."""
+
+
+class RecordingUnreadable(RecordingError):
+    """Not a recording, cut short, or damaged."""
+
+
+class DiskFull(RecordingError):
+    """No space is left for what arrives."""
+
+
+class NotFound(StationError):
+    """The station does not know the name."""
+
+
+class StateConflict(StationError):
+    """The present state forbids the command."""

@@ -1,0 +1,65 @@
+"""The station's settings: one typed tree, read once at start from TOML and the environment."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+SensorId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_-]{0,31}$")]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+class MountingSettings(_Section):
+    """How a sensor sits beside the track: the survey of its installation."""
+
+    rotation_vector: tuple[float, float, float]
+    """Rotation vector of rig_from_camera, rad."""
+    translation_mm: tuple[float, float, float]
+    """Translation of rig_from_camera: the camera's place in the rig frame, mm."""
+    wheel_radius_mm: float = Field(default=420.0, gt=100.0, lt=1000.0)
+    """Nominal radius of the wheels at the tape circle, mm."""
+
+
+class SensorSettings(_Section):
+    """One sensor: a camera, its laser, and where it stands."""
+
+    id: SensorId
+    """Name of the sensor: lower-case letters, digits, - and _."""
+    address: str
+    """IP address of the camera."""
+    side: Literal["left", "right"] = "left"
+    """The side of the train whose wheels it sees."""
+    trigger: Literal["free", "software", "Line1"] = "Line1"
+    """What starts an exposure in a pass."""
+    exposure_us: float | None = Field(default=None, gt=0.0)
+    """Exposure time, µs; the camera's own where absent."""
+    gain_db: float | None = None
+    """Gain, dB; the camera's own where absent."""
+    frame_rate_hz: float = Field(default=53.0, gt=0.0)
+    """Frames a second in free run."""
+    packet_size: int = Field(default=9000, ge=576, le=16384)
+    """GVSP packet size, bytes; the path must carry it."""
+    ring_slots: int = Field(default=48, ge=4, le=1024)
+    """Frames the shared memory between camera and disk holds."""
+    mounting: MountingSettings | None = None
+    """Where the sensor stands; wheel sections need it."""
+
+
+class StationSettings(_Section):
+    """The whole station."""
+
+    name: str = "treadline"
+    """Name of the station, in every recording and reading."""
+    data_dir: Path
+    """Folder of recordings, calibrations and the store."""
+    host: str = "127.0.0.1"
+    """Address the page and API listen on."""
+    port: int = Field(default=8080, ge=0, le=65535)
+    """Port of the page and API."""
+    reference: str = "S1002"
+    """Reference profile of the wheels: S1002, LMA or a file."""
+    sensors: tuple[SensorSettings, ...] = Field(min_length=1)
+    """The sensors, one or more."""
