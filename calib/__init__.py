@@ -3,7 +3,7 @@
 Letters, frames, units and signs are in ``conventions.md`` beside this file.
 """
 
-from calib.arrays import BoolArray, FloatArray, IntArray, Picture
+from calib.arrays import BoolArray, FloatArray, IntArray, Picture, frozen, read_only
 from calib.camera import PARAMETERS, CameraModel
 from calib.errors import (
     CalibError,
@@ -43,4 +43,6 @@ __all__ = [
     "TargetSpecInvalid",
     "TooFewViews",
     "View",
+    "frozen",
+    "read_only",
 ]

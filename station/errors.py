@@ -11,7 +11,12 @@ StationError
 │   ├── RecordingUnreadable  not a recording, cut short, or damaged
 │   └── DiskFull           no space left for what arrives
 ├── NotFound               a name the station does not know
-└── StateConflict          a command the present state forbids
+├── StateConflict          a command the present state forbids
+├── VersionConflict        somebody else changed it since the caller read it
+│   └── VersionMissing     the caller did not say which version it read
+└── AccessRefused          the caller may not do this
+    ├── KeyRefused         no key, or one the station does not accept
+    └── ScopeMissing       the key does not carry the scope the call needs
 
 A message is one line: what was seen, what is allowed, what to do.
 """
@@ -62,4 +67,28 @@ class NotFound(StationError):
 
 
 class StateConflict(StationError):
-    """The present state forbids the command."""
+    """The present state forbids the command; `state` is its name where there is one."""
+
+    def __init__(self, message: str, *, state: str | None = None) -> None:
+        super().__init__(message)
+        self.state = state
+
+
+class VersionConflict(StationError):
+    """Somebody else changed it since the caller read it."""
+
+
+class VersionMissing(VersionConflict):
+    """The caller did not say which version it read."""
+
+
+class AccessRefused(StationError):
+    """The caller may not do this."""
+
+
+class KeyRefused(AccessRefused):
+    """There is no key, or the station does not accept it."""
+
+
+class ScopeMissing(AccessRefused):
+    """The key does not carry the scope the call needs."""

@@ -1,0 +1,252 @@
+"""Reference profiles: what a wheel looks like when new, and its nominal readings."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq, minimize_scalar
+
+from calib import FloatArray
+from measure.errors import ReferenceInvalid, ReferenceUnknown
+from measure.quantities import Quantity
+from measure.segments import Arc, Chords, Line, Polynomial, Segment
+
+BACK_Y_MM = -70.0
+"""Lateral place of the flange back; the tape circle is at 0."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReferenceProfile:
+    """A wheel profile as designed: y lateral from the tape circle, z radially outward, mm.
+
+    Attributes
+    ----------
+    name
+        What it is called in results.
+    segments
+        Its pieces from the flange back to the field side.
+    nominal
+        What the gauges read on it, mm: flange height, thicknesses and gradient.
+    """
+
+    name: str
+    segments: tuple[Segment, ...]
+    nominal: Mapping[Quantity, float]
+
+    @classmethod
+    def from_segments(cls, name: str, segments: tuple[Segment, ...]) -> "ReferenceProfile":
+        """Make a reference of pieces that start at the flange back.
+
+        Raises
+        ------
+        ReferenceInvalid
+            If the pieces have no flange above a tread that reaches the tape circle.
+        """
+        bare = cls(name, segments, MappingProxyType({}))
+        return cls(name, segments, MappingProxyType(_nominal_readings(bare)))
+
+    @classmethod
+    def from_points(cls, name: str, y_mm: ArrayLike, z_mm: ArrayLike) -> "ReferenceProfile":
+        """Make a reference of points: a table, or a new wheel that was measured.
+
+        Parameters
+        ----------
+        name
+            What it is called in results.
+        y_mm, z_mm
+            Shape (N,), in profile coordinates, in any order; points on the back face
+            (y <= -70) are left out. The height at the tape circle becomes zero.
+
+        Raises
+        ------
+        ReferenceInvalid
+            If the points do not reach from the flange back over the tape circle.
+        """
+        y, z = np.asarray(y_mm, dtype=np.float64), np.asarray(z_mm, dtype=np.float64)
+        if not (y.ndim == 1 and y.shape == z.shape and np.isfinite([y, z]).all()):
+            raise ReferenceInvalid(f"{name}: y and z must be equally many finite numbers")
+        ahead = y > BACK_Y_MM
+        y, first = np.unique(y[ahead], return_index=True)
+        z = z[ahead][first]
+        if not (len(y) >= 50 and y[0] <= BACK_Y_MM + 5.0 and y[-1] >= 10.0):
+            seen = f"{len(y)} points, y {y[0]:.1f} to {y[-1]:.1f}" if len(y) else "no points"
+            raise ReferenceInvalid(
+                f"{name}: {seen} ahead of the flange back; a reference needs 50 or more "
+                "from y = -65 or less to 10 or more"
+            )
+        return cls.from_segments(name, (Chords(y, z - np.interp(0.0, y, z)),))
+
+    @property
+    def start_mm(self) -> float:
+        """Lateral place where it starts, next to the flange back."""
+        first = self.segments[0]
+        return float(first.y_mm[0]) if isinstance(first, Chords) else BACK_Y_MM
+
+    @property
+    def end_mm(self) -> float:
+        """Lateral place where it ends, on the field side."""
+        return self.segments[-1].end_mm
+
+    def height_mm(self, y_mm: ArrayLike) -> FloatArray:
+        """Return the height z at lateral places.
+
+        Parameters
+        ----------
+        y_mm
+            Any shape.
+
+        Returns
+        -------
+        z_mm
+            The same shape; NaN outside the profile.
+
+        Examples
+        --------
+        >>> reference_profile("S1002").height_mm([0.0, -55.0, 99.0]).round(3).tolist()
+        [0.0, 28.0, nan]
+        """
+        y = np.asarray(y_mm, dtype=np.float64)
+        height = np.full(y.shape, np.nan)
+        start = self.start_mm
+        for segment in self.segments:
+            inside = (y >= start) & (y <= segment.end_mm)
+            height[inside] = segment.height_mm(y[inside])
+            start = segment.end_mm
+        return height
+
+    def points(self, step_mm: float, *, back_face_mm: float = 0.0) -> FloatArray:
+        """Return points (y, z) evenly along the profile, from the flange back to the field side.
+
+        Parameters
+        ----------
+        step_mm
+            Distance of neighbours along the profile, nearly.
+        back_face_mm
+            How much of the flange back, the straight face at y = -70, to put before it.
+
+        Returns
+        -------
+        points_mm
+            Shape (N, 2).
+        """
+        # Cosine spacing: the profile leaves the flange back at a right angle to y.
+        span = self.end_mm - self.start_mm
+        y = self.start_mm + span * (1.0 - np.cos(np.linspace(0.0, np.pi, 20_000))) / 2.0
+        z = self.height_mm(y)
+        length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(z)))])
+        along = np.linspace(0.0, length[-1], max(2, round(length[-1] / step_mm) + 1))
+        y_even = np.interp(along, length, y)
+        front = np.column_stack([y_even, self.height_mm(y_even)])
+        drops = np.arange(round(back_face_mm / step_mm), 0, -1) * step_mm
+        back = np.column_stack([np.full(len(drops), front[0, 0]), front[0, 1] - drops])
+        return np.concatenate([back, front])
+
+
+def _nominal_readings(profile: ReferenceProfile) -> dict[Quantity, float]:
+    def height(y_mm: float) -> float:
+        return float(profile.height_mm(y_mm))
+
+    coarse = profile.points(0.1)
+    if not (profile.start_mm < BACK_Y_MM + 6.0 and profile.end_mm > 0.0):
+        raise ReferenceInvalid(f"{profile.name}: must reach from the flange back over y = 0")
+    peak = coarse[np.argmax(coarse[:, 1]), 0]
+    crest = minimize_scalar(
+        lambda y: -height(y),
+        bounds=(max(peak - 0.2, profile.start_mm), peak + 0.2),
+        method="bounded",
+        options={"xatol": 1e-9},
+    )
+    tip, tread = -float(crest.fun), height(0.0)
+    if not (tip - tread > 14.0 and peak < -30.0):
+        raise ReferenceInvalid(
+            f"{profile.name}: the highest point is {tip - tread:.1f} mm above the tape circle at "
+            f"y = {peak:.1f}; a flange of more than 14 mm left of y = -30 is needed"
+        )
+
+    def face(level_mm: float) -> float:
+        return float(brentq(lambda y: height(y) - level_mm, crest.x, 0.0, xtol=1e-10))
+
+    return {
+        Quantity.FLANGE_HEIGHT: tip - tread,
+        Quantity.FLANGE_THICKNESS_10: face(tread + 10.0) - BACK_Y_MM,
+        Quantity.FLANGE_THICKNESS_12: face(tread + 12.0) - BACK_Y_MM,
+        Quantity.FLANGE_GRADIENT_QR: face(tread + 10.0) - face(tip - 2.0),
+    }
+
+
+# EN 13715, flange height 28 mm, thickness 32.5 mm.
+_S1002: tuple[Segment, ...] = (
+    Arc(-62.764705882, (-49.5, 9.519259302), 20.5, 1),
+    Arc(-49.662510381, (-55.0, 16.0), 12.0, 1),
+    Arc(-39.764473993, (-58.558326413, 8.834924130), 20.0, 1),
+    Line(-38.426669071, (0.0, -93.576667419), -2.747477419),
+    Arc(-35.0, (-26.210665, 16.446), 13.0, -1),
+    Polynomial(
+        -26.0,
+        (
+            -4320.221063,
+            -1038.384026,
+            -106.5501873,
+            -6.051367875,
+            -0.2054332446,
+            -4.169739389e-3,
+            -4.687195829e-5,
+            -2.252755540e-7,
+        ),
+    ),
+    Polynomial(
+        32.15796,
+        (
+            0.0,
+            -3.358537058e-2,
+            1.565681624e-3,
+            -2.810427944e-5,
+            5.844240864e-8,
+            -1.562379023e-8,
+            5.309217349e-15,
+            -5.957839843e-12,
+            2.646656573e-13,
+        ),
+    ),
+    Line(60.0, (0.0, 1.364323640), -0.066666667),
+)
+
+# China, high speed.
+_LMA: tuple[Segment, ...] = (
+    Arc(-62.307692, (-45.0, 6.619168), 25.0, 1),
+    Arc(-52.557372, (-54.0, 16.0), 12.0, 1),
+    Arc(-40.265268, (-54.360658, 13.021757), 15.0, 1),
+    Line(-38.053345, (-39.0, 14.675765), -float(np.tan(np.radians(70.0)))),
+    Arc(-28.4709, (-24.897649, 16.863134), 14.0, -1),
+    Arc(-10.75, (-5.5, 90.346), 90.0, -1),
+    Arc(4.253514, (15.5, 449.732976), 450.0, -1),
+    Line(30.0, (10.0, -0.2701267), -1.0 / 40.0),
+    Line(60.0, (30.0, -0.7701267), -1.0 / 15.0),
+    Line(65.0, (60.0, -2.7701267), -1.0),
+)
+
+_ANALYTIC: Mapping[str, tuple[Segment, ...]] = {"S1002": _S1002, "LMA": _LMA}
+
+
+@lru_cache
+def reference_profile(name: str) -> ReferenceProfile:
+    """Return the reference profile of a name: ``S1002`` or ``LMA``.
+
+    Raises
+    ------
+    ReferenceUnknown
+        If there is none of that name.
+
+    Examples
+    --------
+    >>> nominal = reference_profile("LMA").nominal
+    >>> round(nominal[Quantity.FLANGE_THICKNESS_12], 3)
+    31.974
+    """
+    if name not in _ANALYTIC:
+        known = ", ".join(_ANALYTIC)
+        raise ReferenceUnknown(f"reference {name!r} is not known; give one of {known}, or a file")
+    return ReferenceProfile.from_segments(name, _ANALYTIC[name])

@@ -1,0 +1,30 @@
+"""Options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Sources = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="SOURCE...", help="Recordings (.mcap), pictures or folders of pictures."
+    ),
+]
+TargetText = Annotated[
+    str,
+    typer.Option(
+        "--target",
+        metavar="TARGET",
+        help="dots:ROWSxCOLS:PITCH_MM[:dark][:d=DIAMETER_MM] or chessboard:ROWSxCOLS:PITCH_MM",
+    ),
+]
+CalibrationPath = Annotated[
+    Path, typer.Option("--calibration", metavar="FILE", help="calibration.json of the sensor.")
+]
+SensorOption = Annotated[
+    str | None, typer.Option("--sensor", metavar="ID", help="Name of the sensor.")
+]
+Reference = Annotated[
+    str, typer.Option("--reference", metavar="S1002|LMA|FILE", help="Profile of a new wheel.")
+]

@@ -1,0 +1,186 @@
+"""points.csv: a row a point, as observed, as corrected, and why it was used or not."""
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib import Calibration, Cause, StripePoints, Target, TargetPoints, View
+from station.errors import InputUnusable
+
+POINT_COLUMNS = (
+    "image", "kind", "row", "col", "u", "v", "sigma_u", "sigma_v",
+    "u_corrected", "v_corrected", "used", "reason",
+)  # fmt: skip
+_NEEDED = POINT_COLUMNS[:8]
+
+
+def points_csv(views: Sequence[View], calibration: Calibration) -> str:
+    """Return the text of points.csv for the views of a calibration."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(POINT_COLUMNS)
+    solved = {view.name: view for view in calibration.views}
+    for view in views:
+        answer = solved[view.name]
+        writer.writerows(_dot_rows(view, answer.dots_corrected_px, answer.dots_used, answer.dots_cause))
+        if view.stripe is not None:
+            writer.writerows(
+                _stripe_rows(
+                    view.name,
+                    view.stripe,
+                    answer.stripe_corrected_px,
+                    answer.stripe_used,
+                    answer.stripe_cause,
+                )
+            )
+    return text.getvalue()
+
+
+def _dot_rows(
+    view: View, corrected_px: np.ndarray, used: np.ndarray, cause: Sequence[Cause]
+) -> Iterable[list[object]]:
+    points = view.points
+    for i in range(len(points)):
+        yield [
+            view.name, "dot", points.row[i], points.col[i],
+            *_numbers(points.centre_px[i], points.sigma_px[i], corrected_px[i]),
+            int(used[i]), cause[i].value,
+        ]  # fmt: skip
+
+
+def _stripe_rows(
+    name: str,
+    stripe: StripePoints,
+    corrected_px: np.ndarray,
+    used: np.ndarray,
+    cause: Sequence[Cause],
+) -> Iterable[list[object]]:
+    # Only the normal direction is known; sigma_u and sigma_v are its parts, and their ratio gives
+    # the normal back up to the sign of one part, which the row order along the stripe settles.
+    sigma_px = np.abs(stripe.normal) * stripe.sigma_px[:, None]
+    for i in range(len(stripe)):
+        yield [
+            name, "stripe", "", "",
+            *_numbers(stripe.centre_px[i], sigma_px[i], corrected_px[i]),
+            int(used[i]), cause[i].value,
+        ]  # fmt: skip
+
+
+def _numbers(*pairs: np.ndarray) -> list[str]:
+    return [f"{value:.5f}" if math.isfinite(value) else "" for pair in pairs for value in pair]
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """One checked row of the file."""
+
+    line: int
+    image: str
+    kind: str
+    row: int
+    col: int
+    u: float
+    v: float
+    sigma_u: float
+    sigma_v: float
+
+
+def views_from_points(text: str, target: Target, *, name: str) -> list[View]:
+    """Read points.csv, or a file of another detector with its first eight columns, as views.
+
+    Parameters
+    ----------
+    text
+        The file; columns image, kind, row, col, u, v, sigma_u, sigma_v are needed, others ignored.
+    target
+        The target that row and col lie on.
+    name
+        Name of the file, for messages.
+
+    Raises
+    ------
+    InputUnusable
+        If a column is missing, a number does not parse or is not finite, a sigma is not positive,
+        a dot is off the target or named twice, or a stripe has fewer than 3 points in a picture.
+    """
+    reader = csv.DictReader(io.StringIO(text))
+    missing = [column for column in _NEEDED if column not in (reader.fieldnames or ())]
+    if missing:
+        raise InputUnusable(
+            f"{name}: no column {', '.join(missing)}; allowed: a header with {','.join(_NEEDED)}"
+        )
+    by_image: dict[str, list[_Row]] = {}
+    for line, fields in enumerate(reader, start=2):
+        row = _checked_row(fields, line, target, name)
+        by_image.setdefault(row.image, []).append(row)
+    if not by_image:
+        raise InputUnusable(f"{name}: no points in it; give a row a point")
+    return [_view(image, rows, name) for image, rows in by_image.items()]
+
+
+def _checked_row(fields: dict[str, str], line: int, target: Target, name: str) -> _Row:
+    def refuse(what: str) -> InputUnusable:
+        return InputUnusable(f"{name} line {line}: {what}; correct the row or leave it out")
+
+    kind = fields["kind"]
+    if kind not in ("dot", "stripe"):
+        raise refuse(f"kind {kind!r}; allowed: dot, stripe")
+    try:
+        u, v, sigma_u, sigma_v = (float(fields[c]) for c in ("u", "v", "sigma_u", "sigma_v"))
+        row, col = (int(fields[c]) if kind == "dot" else -1 for c in ("row", "col"))
+    except (ValueError, TypeError):
+        raise refuse("a field that is not a number") from None
+    if not all(map(math.isfinite, (u, v, sigma_u, sigma_v))):
+        raise refuse("a coordinate or sigma that is not finite")
+    if not (min(sigma_u, sigma_v) >= 0.0 and max(sigma_u, sigma_v) > 0.0):
+        raise refuse(f"sigma {sigma_u}, {sigma_v}; allowed: positive")
+    if kind == "dot" and not (0 <= row < target.rows and 0 <= col < target.cols):
+        raise refuse(f"dot at row {row}, col {col}; allowed on {target}: rows 0 to "
+                     f"{target.rows - 1}, cols 0 to {target.cols - 1}")  # fmt: skip
+    return _Row(line, fields["image"], kind, row, col, u, v, sigma_u, sigma_v)
+
+
+def _view(image: str, rows: Sequence[_Row], name: str) -> View:
+    dots = [row for row in rows if row.kind == "dot"]
+    stripe = [row for row in rows if row.kind == "stripe"]
+    seen: dict[tuple[int, int], int] = {}
+    for row in dots:
+        first = seen.setdefault((row.row, row.col), row.line)
+        if first != row.line:
+            raise InputUnusable(
+                f"{name} line {row.line}: dot {row.row}, {row.col} of {image} stands in line {first} "
+                "already; leave one out"
+            )
+    points = TargetPoints(
+        row=np.array([r.row for r in dots], dtype=np.int64),
+        col=np.array([r.col for r in dots], dtype=np.int64),
+        centre_px=np.array([(r.u, r.v) for r in dots]).reshape(-1, 2),
+        sigma_px=np.array([(r.sigma_u, r.sigma_v) for r in dots]).reshape(-1, 2),
+        cause=(Cause.NONE,) * len(dots),
+    )
+    return View(image, points, _stripe(stripe, image, name) if stripe else None)
+
+
+def _stripe(rows: Sequence[_Row], image: str, name: str) -> StripePoints:
+    if len(rows) < 3:
+        raise InputUnusable(
+            f"{name}: {len(rows)} stripe points in {image}; allowed: none, or 3 and more"
+        )
+    centre_px = np.array([(r.u, r.v) for r in rows])
+    along = np.linalg.svd(centre_px - centre_px.mean(axis=0))[2][0]
+    normal = np.array([-along[1], along[0]])
+    parts_px = np.array([(r.sigma_u, r.sigma_v) for r in rows])
+    count = len(rows)
+    return StripePoints(
+        centre_px=centre_px,
+        normal=np.tile(normal, (count, 1)),
+        sigma_px=np.linalg.norm(parts_px, axis=1),
+        width_px=np.ones(count),
+        peak=np.ones(count),
+        saturated=np.zeros(count, dtype=bool),
+        cause=(Cause.NONE,) * count,
+    )

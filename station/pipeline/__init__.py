@@ -1,0 +1,18 @@
+"""From files to answers: pictures and recordings to calibrations and wheel readings."""
+
+from station.pipeline.calibrate import CalibrationOutcome, calibrate_sources
+from station.pipeline.frames import Frame, read_frames
+from station.pipeline.intrinsics import calibrate_camera_from_sources
+from station.pipeline.measure import measure_sources
+from station.pipeline.observe import Observations, observe_sources
+
+__all__ = [
+    "CalibrationOutcome",
+    "Frame",
+    "Observations",
+    "calibrate_camera_from_sources",
+    "calibrate_sources",
+    "measure_sources",
+    "observe_sources",
+    "read_frames",
+]

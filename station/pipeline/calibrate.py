@@ -1,0 +1,144 @@
+"""From pictures of a target to a calibration that can be questioned later."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from calib import Calibration, CameraModel, Method, Target, calibrate
+from station.documents import (
+    CalibrationDocument,
+    CameraDocument,
+    InputFile,
+    MountingDocument,
+    PlaneDocument,
+    PoseDocument,
+    RmsDocument,
+    points_csv,
+)
+from station.errors import InputUnusable
+from station.pictures import RECORDING_SUFFIX, pictures_of
+from station.pipeline.observe import Observations, observe_sources
+from station.pipeline.quality import gates
+from station.progress import Progress, silent
+from station.settings import MountingSettings
+from station.software import SOFTWARE
+
+UNNAMED_SENSOR = "sensor"
+
+
+@dataclass(frozen=True, slots=True)
+class CalibrationOutcome:
+    """A calibration as it is kept: the document, every point, the pictures left out and why."""
+
+    document: CalibrationDocument
+    points_csv: str
+    left_out: tuple[tuple[str, str], ...]
+
+
+def calibrate_sources(
+    sources: Sequence[Path],
+    target: Target,
+    *,
+    sensor: str | None = None,
+    camera: CameraModel | None = None,
+    method: Method = Method.JOINT,
+    laser_off: Sequence[Path] = (),
+    mounting: MountingSettings | None = None,
+    progress: Progress = silent,
+) -> CalibrationOutcome:
+    """Calibrate a sensor from pictures, recordings or points.csv.
+
+    Raises
+    ------
+    InputUnusable
+        If a source cannot be used, or the pictures do not fit the camera.
+    RecordingUnreadable
+        If a recording is damaged.
+    CalibError
+        If the pictures do not determine the sensor.
+    """
+    seen = observe_sources(
+        sources,
+        target,
+        laser_off=laser_off,
+        progress=lambda part, what: progress(0.9 * part, what),
+    )
+    width, height = _picture_size(seen, camera)
+    progress(0.9, f"solving {method}")
+    answer = calibrate(
+        seen.views, target, width=width, height=height, camera=camera, method=method
+    )
+    left_out = (*seen.left_out, *((v.name, v.left_out) for v in answer.views if v.left_out))
+    document = _document(
+        answer,
+        sensor=sensor or seen.sensor or UNNAMED_SENSOR,
+        options={"target": str(target), "method": str(method), "camera_given": camera is not None},
+        inputs=fingerprints([*sources, *laser_off]),
+        left_out=dict(left_out),
+        quality=gates(answer, seen.views),
+        mounting=mounting,
+    )
+    progress(1.0, "done")
+    return CalibrationOutcome(document, points_csv(seen.views, answer), left_out)
+
+
+def _picture_size(seen: Observations, camera: CameraModel | None) -> tuple[int, int]:
+    if camera is None:
+        if seen.width is None or seen.height is None:
+            raise InputUnusable(
+                "points alone do not tell the size of the pictures; give --camera camera.json"
+            )
+        return seen.width, seen.height
+    if seen.width is not None and (seen.width, seen.height) != (camera.width, camera.height):
+        raise InputUnusable(
+            f"pictures of {seen.width} x {seen.height} px but a camera of {camera.width} x "
+            f"{camera.height}; give the camera file of these pictures, or none to solve it"
+        )
+    return camera.width, camera.height
+
+
+def _document(
+    answer: Calibration, *, mounting: MountingSettings | None, **parts: object
+) -> CalibrationDocument:
+    plane = answer.sensor.plane
+    poses = [view for view in answer.views if view.cam_from_board is not None]
+    values = dict(zip("abcd", plane.coefficients.tolist(), strict=True))
+    return CalibrationDocument(
+        created=datetime.now(UTC),
+        software=SOFTWARE,
+        method=str(answer.method),
+        camera=CameraDocument.from_model(answer.sensor.camera),
+        plane=PlaneDocument(**values),
+        plane_covariance=answer.sensor.covariance[9:, 9:].tolist(),
+        sensor_covariance=answer.sensor.covariance.tolist(),
+        rms=RmsDocument(dots_px=answer.rms_dots_px, stripe_px=answer.rms_stripe_px),
+        poses=[
+            PoseDocument(
+                image=view.name,
+                rotation_vector=view.cam_from_board.rotation_vector.tolist(),
+                translation_mm=view.cam_from_board.translation_mm.tolist(),
+            )
+            for view in poses
+            if view.cam_from_board is not None
+        ],
+        warnings=answer.warnings,
+        mounting=MountingDocument(**mounting.model_dump()) if mounting else None,
+        **parts,
+    )
+
+
+def fingerprints(sources: Sequence[Path]) -> tuple[InputFile, ...]:
+    """Name and SHA-256 of every file that the sources stand for."""
+    files: list[Path] = []
+    for source in sources:
+        single = source.suffix.lower() in {RECORDING_SUFFIX, ".csv"}
+        files += [source] if single else pictures_of(source)
+    return tuple(InputFile(name=path.name, sha256=sha256_of(path)) for path in files)
+
+
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

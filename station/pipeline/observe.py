@@ -1,0 +1,166 @@
+"""Seeing the target in every picture of the sources, on all cores."""
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+import cv2
+
+from calib import CalibError, Picture, Target, View, observe_target
+from station.documents import views_from_points
+from station.errors import InputUnusable
+from station.pipeline.frames import Frame, read_frames, same_size_as
+from station.progress import Progress, silent
+
+_FEWEST_FOR_PROCESSES = 6  # starting a process costs as much as seeing about three pictures
+
+
+@dataclass(frozen=True, slots=True)
+class Observations:
+    """What was seen in the pictures of a calibration.
+
+    Attributes
+    ----------
+    views
+        The pictures in which the target was found.
+    left_out
+        (name, reason) of the others.
+    width, height
+        Size of the pictures, px; None where only points were given.
+    sensor
+        The sensor that recorded them, where a recording says so.
+    """
+
+    views: tuple[View, ...]
+    left_out: tuple[tuple[str, str], ...]
+    width: int | None
+    height: int | None
+    sensor: str | None
+
+
+def observe_sources(
+    sources: Sequence[Path],
+    target: Target,
+    *,
+    laser_off: Sequence[Path] = (),
+    progress: Progress = silent,
+) -> Observations:
+    """Find target and stripe in every picture of the sources, or read them from points.csv.
+
+    A picture in which the target is not found is named in `left_out`, never fatal.
+
+    Raises
+    ------
+    InputUnusable
+        If a source cannot be used, the pictures differ in size, or the laser-off pictures do not
+        pair with the others.
+    RecordingUnreadable
+        If a recording is damaged.
+    """
+    points_files = [path for path in sources if path.suffix.lower() == ".csv"]
+    pictures = [path for path in sources if path not in points_files]
+    if not sources:
+        raise InputUnusable("no SOURCE given; give recordings, pictures, folders or a points.csv")
+    views = [view for path in points_files for view in _views_of_file(path, target)]
+    if not pictures:
+        return Observations(tuple(views), (), None, None, None)
+    return _observe_pictures(pictures, target, laser_off, views, progress)
+
+
+def _views_of_file(path: Path, target: Target) -> list[View]:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputUnusable(f"{path}: cannot be read as text ({error}); give a points.csv") from error
+    return views_from_points(text, target, name=str(path))
+
+
+def _observe_pictures(
+    sources: Sequence[Path],
+    target: Target,
+    laser_off: Sequence[Path],
+    views: list[View],
+    progress: Progress,
+) -> Observations:
+    left_out: list[tuple[str, str]] = []
+    names: list[str] = []
+    first: Frame | None = None
+
+    def tasks() -> Iterator[_Task]:
+        nonlocal first
+        for frame, off in _paired(sources, laser_off):
+            first = first or frame
+            same_size_as(frame, first)
+            names.append(frame.name)
+            yield frame.picture, target, frame.name, off
+
+    for done, seen in enumerate(_on_all_cores(_observe_one, tasks()), start=1):
+        progress(1.0 - 0.95**done, f"picture {done}")
+        if isinstance(seen, View):
+            views.append(seen)
+        else:
+            left_out.append((names[done - 1], seen))
+    if first is None:
+        raise InputUnusable(f"{sources[0]}: no frame in it; give a source with pictures")
+    height, width = first.picture.shape
+    return Observations(tuple(views), tuple(left_out), width, height, first.sensor)
+
+
+def _paired(
+    sources: Sequence[Path], laser_off: Sequence[Path]
+) -> Iterator[tuple[Frame, Picture | None]]:
+    if not laser_off:
+        for frame in read_frames(sources):
+            yield frame, None
+        return
+    dark = read_frames(laser_off)
+    count = 0
+    for count, frame in enumerate(read_frames(sources), start=1):
+        pair = next(dark, None)
+        if pair is None:
+            raise InputUnusable(
+                f"only {count - 1} laser-off pictures; allowed: one for every picture, same order"
+            )
+        yield frame, same_size_as(pair, frame).picture
+    if next(dark, None) is not None:
+        raise InputUnusable(
+            f"more laser-off pictures than the {count} pictures; allowed: one for every picture"
+        )
+
+
+_Task = tuple[Picture, Target, str, Picture | None]
+
+
+def _observe_one(task: _Task) -> View | str:
+    picture, target, name, laser_off = task
+    try:
+        return observe_target(picture, target, name=name, laser_off=laser_off)
+    except CalibError as error:
+        return str(error)
+
+
+def _on_all_cores(
+    work: Callable[[_Task], View | str], tasks: Iterable[_Task]
+) -> Iterator[View | str]:
+    """Map in order; few tasks stay in this process, pictures in flight stay few."""
+    cores = len(os.sched_getaffinity(0))
+    iterator = iter(tasks)
+    head = [task for task, _ in zip(iterator, range(_FEWEST_FOR_PROCESSES), strict=False)]
+    if len(head) < _FEWEST_FOR_PROCESSES or cores < 2:
+        yield from map(work, head)
+        yield from map(work, iterator)
+        return
+    # Spawned, not forked: the callers hold threads.
+    with ProcessPoolExecutor(
+        cores, mp_context=get_context("spawn"), initializer=cv2.setNumThreads, initargs=(1,)
+    ) as pool:
+        waiting: deque[Future[View | str]] = deque(pool.submit(work, task) for task in head)
+        for task in iterator:
+            yield waiting.popleft().result()
+            waiting.append(pool.submit(work, task))
+        while waiting:
+            yield waiting.popleft().result()

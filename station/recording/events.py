@@ -1,0 +1,135 @@
+"""What happened while recording: every loss, refusal and interruption, as it goes into the file."""
+
+import json
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+
+class EventKind(StrEnum):
+    """What an event is about."""
+
+    STARTED = "started"
+    """The recording began."""
+    FRAMES_LOST = "frames_lost"
+    """Frame ids are missing: the frames were exposed and never arrived."""
+    FRAME_REFUSED = "frame_refused"
+    """A frame arrived incomplete; it is not in the file."""
+    FRAME_REPEATED = "frame_repeated"
+    """A frame id came again or ran backward; the later one is not in the file."""
+    FRAMES_DROPPED = "frames_dropped"
+    """Frames arrived whole and could not be written."""
+    FRAMES_MISCOUNTED = "frames_miscounted"
+    """The number of triggers differs from the number of frames accounted for."""
+    COUNTER_OFFSET = "counter_offset"
+    """The camera's first frame id is not 1: a loss before it cannot be told."""
+    PACKETS_RESENT = "packets_resent"
+    """Packets were lost on the way and sent again."""
+    RING_FULL = "ring_full"
+    """Frames met no free place between camera and disk."""
+    CAMERA_LOST = "camera_lost"
+    """The camera stopped answering."""
+    CAMERA_BACK = "camera_back"
+    """The camera was opened again; what it exposed in between is unknown."""
+    RECORDER_RESTARTED = "recorder_restarted"
+    """The recorder died and another went on with its file."""
+    CAPTURE_LOST = "capture_lost"
+    """The capture process died; the recorder finished the file."""
+    DISK_FULL = "disk_full"
+    """No space was left; the file ends here."""
+    RECOVERED = "recovered"
+    """The file was found unfinished and made whole."""
+    FINISHED = "finished"
+    """The recording ended as asked."""
+
+
+LOSSES = frozenset(
+    {
+        EventKind.FRAMES_LOST,
+        EventKind.FRAME_REFUSED,
+        EventKind.FRAMES_DROPPED,
+        EventKind.FRAMES_MISCOUNTED,
+        EventKind.CAMERA_LOST,
+        EventKind.CAPTURE_LOST,
+        EventKind.DISK_FULL,
+        EventKind.RECOVERED,
+    }
+)
+"""A recording with one of these is not complete."""
+
+EVENT_SCHEMA_NAME = "treadline.Event"
+EVENT_SCHEMA = json.dumps(
+    {
+        "title": EVENT_SCHEMA_NAME,
+        "type": "object",
+        "properties": {
+            "kind": {"type": "string", "enum": list(EventKind)},
+            "frame_id": {
+                "type": ["integer", "null"],
+                "description": "first frame concerned, as the camera numbers them",
+            },
+            "count": {"type": "integer", "description": "frames (or packets) concerned"},
+            "detail": {"type": "string"},
+        },
+        "required": ["kind", "frame_id", "count", "detail"],
+    }
+).encode()
+"""JSON schema of an event message; its time is the message's log time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One thing that happened, at `time_ns` (UTC, ns since 1970, this host's clock)."""
+
+    kind: EventKind
+    time_ns: int
+    detail: str = ""
+    frame_id: int | None = None
+    """The first frame concerned, as the camera numbers them."""
+    count: int = 0
+    """How many frames (or packets) it concerns."""
+
+    def __post_init__(self) -> None:
+        if not (self.time_ns >= 0 and self.count >= 0):
+            raise ValueError(f"time and count must not be negative: {self}")
+
+    def message(self) -> bytes:
+        """Return the body of the event's message in a recording."""
+        return json.dumps(
+            {
+                "kind": self.kind,
+                "frame_id": self.frame_id,
+                "count": self.count,
+                "detail": self.detail,
+            }
+        ).encode()
+
+    @classmethod
+    def from_message(cls, body: bytes | memoryview, time_ns: int) -> "Event":
+        """Read the body of an event's message; ValueError where it is none."""
+        fields = json.loads(bytes(body))
+        return cls.from_json({**fields, "time_ns": time_ns})
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the event as JSON carries it between processes."""
+        return {
+            "kind": str(self.kind),
+            "time_ns": self.time_ns,
+            "detail": self.detail,
+            "frame_id": self.frame_id,
+            "count": self.count,
+        }
+
+    @classmethod
+    def from_json(cls, fields: dict[str, Any]) -> "Event":
+        """Make an event of what `to_json` returned."""
+        try:
+            return cls(
+                EventKind(fields["kind"]),
+                int(fields["time_ns"]),
+                str(fields["detail"]),
+                fields["frame_id"],
+                int(fields["count"]),
+            )
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"not an event: {fields!r}") from error

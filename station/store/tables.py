@@ -1,0 +1,213 @@
+"""The tables of the store.  Whoever changes one writes the migration beside it."""
+
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import (
+    JSON,
+    DateTime,
+    Dialect,
+    Enum,
+    ForeignKey,
+    Index,
+    MetaData,
+    Text,
+    UniqueConstraint,
+)
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from sqlalchemy.types import TypeDecorator
+
+from station.store.states import CalibrationState, JobState, PassState, SessionState, State
+
+JsonObject = dict[str, Any]
+
+
+class UtcDateTime(TypeDecorator[datetime]):
+    """A moment; SQLite keeps no time zone, so UTC is put back on the way out."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        return None if value is None else value.astimezone(UTC)
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        return value.replace(tzinfo=UTC) if value is not None and value.tzinfo is None else value
+
+
+def _state(kind: type[State]) -> Enum:
+    # Text, not a database enum: a state added later then needs no migration.
+    return Enum(
+        kind, native_enum=False, length=16, values_callable=lambda states: [s.value for s in states]
+    )
+
+
+class Table(DeclarativeBase):
+    """Base of the tables; constraints get names that a migration can use."""
+
+    metadata = MetaData(
+        naming_convention={
+            "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+            "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+            "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+            "pk": "pk_%(table_name)s",
+        }
+    )
+    type_annotation_map = {
+        datetime: UtcDateTime(),
+        JsonObject: JSON(),
+        PassState: _state(PassState),
+        SessionState: _state(SessionState),
+        CalibrationState: _state(CalibrationState),
+        JobState: _state(JobState),
+    }
+
+
+class Pass(Table):
+    """One train going by, named by the controller."""
+
+    __tablename__ = "passes"
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    state: Mapped[PassState] = mapped_column(index=True)
+    train: Mapped[str | None]
+    opened_at: Mapped[datetime]
+    finished_at: Mapped[datetime | None]
+    reason: Mapped[str | None] = mapped_column(Text)
+    job_id: Mapped[str | None]
+
+
+class CalibrationSession(Table):
+    """Pictures of a target taken one by one, to calibrate a sensor from."""
+
+    __tablename__ = "calibration_sessions"
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    state: Mapped[SessionState] = mapped_column(index=True)
+    sensor: Mapped[str]
+    target: Mapped[str]
+    pictures: Mapped[int]
+    opened_at: Mapped[datetime]
+    finished_at: Mapped[datetime | None]
+    reason: Mapped[str | None] = mapped_column(Text)
+
+
+class Recording(Table):
+    """What one sensor recorded of a pass or a session, and how its frames add up."""
+
+    __tablename__ = "recordings"
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    sensor: Mapped[str] = mapped_column(index=True)
+    pass_id: Mapped[str | None] = mapped_column(ForeignKey("passes.id"), index=True)
+    session_id: Mapped[str | None] = mapped_column(
+        ForeignKey("calibration_sessions.id"), index=True
+    )
+    path: Mapped[str]  # relative to the folder of the station's data
+    opened_at: Mapped[datetime] = mapped_column(index=True)
+    closed_at: Mapped[datetime | None]
+    calibration_id: Mapped[str | None] = mapped_column(ForeignKey("calibrations.id"))
+    expected: Mapped[int | None]  # frames the controller counted triggers for
+    recorded: Mapped[int | None]
+    lost: Mapped[int | None]
+    repeated: Mapped[int | None]
+    refused: Mapped[int | None]
+    complete: Mapped[bool | None]
+    recovered: Mapped[bool] = mapped_column(default=False)
+    summary: Mapped[str | None] = mapped_column(Text)
+
+
+class Calibration(Table):
+    """A calibration of a sensor: solving, ready, or failed with a reason."""
+
+    __tablename__ = "calibrations"
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    state: Mapped[CalibrationState]
+    sensor: Mapped[str] = mapped_column(index=True)
+    target: Mapped[str]
+    method: Mapped[str]
+    recording_ids: Mapped[JsonObject]  # {"recordings": [...], "laser_off": [...]}
+    created_at: Mapped[datetime]
+    reason: Mapped[str | None] = mapped_column(Text)
+    job_id: Mapped[str]
+    document: Mapped[str | None] = mapped_column(Text)
+    left_out: Mapped[JsonObject | None]  # picture: reason
+
+
+class CalibrationPoints(Table):
+    """The points of a calibration as CSV: megabytes, so not beside the calibration's row."""
+
+    __tablename__ = "calibration_points"
+
+    calibration_id: Mapped[str] = mapped_column(ForeignKey("calibrations.id"), primary_key=True)
+    csv: Mapped[str] = mapped_column(Text)
+
+
+class Activation(Table):
+    """A calibration coming into force on a sensor; the last one counts, the others are its history."""
+
+    __tablename__ = "activations"
+    # Two writers who read the same version cannot both go on from it, on any database.
+    __table_args__ = (UniqueConstraint("sensor", "version"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    sensor: Mapped[str]
+    version: Mapped[int]
+    calibration_id: Mapped[str] = mapped_column(ForeignKey("calibrations.id"))
+    activated_at: Mapped[datetime]
+    activated_by: Mapped[str]
+
+
+class Measurement(Table):
+    """One wheel measured: from which frame, by which calibration and software, with what result."""
+
+    __tablename__ = "measurements"
+    # Measuring again with the same calibration, as after a crash, adds nothing; with another adds a row.
+    __table_args__ = (
+        UniqueConstraint("recording_id", "frame", "calibration_id"),
+        Index("ix_measurements_sensor_id", "sensor", "id"),
+        Index("ix_measurements_pass_id_id", "pass_id", "id"),
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    recording_id: Mapped[str] = mapped_column(ForeignKey("recordings.id"))
+    frame: Mapped[int]
+    calibration_id: Mapped[str] = mapped_column(ForeignKey("calibrations.id"))
+    sensor: Mapped[str]
+    pass_id: Mapped[str | None] = mapped_column(ForeignKey("passes.id"))
+    reference: Mapped[str]
+    software: Mapped[str]
+    measured_at: Mapped[datetime]
+    wheel: Mapped[JsonObject]
+
+
+class Job(Table):
+    """Long work of the worker process."""
+
+    __tablename__ = "jobs"
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    kind: Mapped[str]
+    subject: Mapped[str]  # the pass or calibration it works on
+    state: Mapped[JobState] = mapped_column(index=True)
+    progress: Mapped[float]
+    doing: Mapped[str]
+    error: Mapped[str | None] = mapped_column(Text)
+    created_at: Mapped[datetime]
+    started_at: Mapped[datetime | None]
+    ended_at: Mapped[datetime | None]
+
+
+class Key(Table):
+    """A bearer key: its name and what it may do; the key itself only as a hash."""
+
+    __tablename__ = "keys"
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    name: Mapped[str]
+    scopes: Mapped[JsonObject]  # {"scopes": [...]}
+    secret_sha256: Mapped[str]
+    created_at: Mapped[datetime]
+    expires_at: Mapped[datetime | None]
+    revoked_at: Mapped[datetime | None]

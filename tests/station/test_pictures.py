@@ -1,0 +1,64 @@
+"""Files become 8-bit grey pictures, or are refused in one line."""
+
+import cv2
+import numpy as np
+import pytest
+
+from station.errors import InputUnusable
+from station.pictures import pictures_of, read_picture
+
+
+@pytest.fixture
+def grey(rng):
+    return rng.integers(0, 256, (20, 30), dtype=np.uint8)
+
+
+def test_grey_picture_is_read_unchanged(tmp_path, grey):
+    cv2.imwrite(str(tmp_path / "a.png"), grey)
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.png"), grey)
+
+
+def test_colour_with_transparency_is_turned_to_the_grey_it_shows(tmp_path, grey):
+    four = np.dstack([grey, grey, grey, 255 - grey])
+    cv2.imwrite(str(tmp_path / "a.png"), four)
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.png"), grey)
+
+
+@pytest.mark.parametrize("bits", [10, 12, 16])
+def test_deep_picture_keeps_its_full_scale(tmp_path, grey, bits):
+    grey[0, 0] = 255
+    deep = np.rint(grey * ((2**bits - 1) / 255)).astype(np.uint16)
+    cv2.imwrite(str(tmp_path / "a.png"), deep)
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.png"), grey)
+
+
+@pytest.mark.parametrize("content", [b"", b"no picture", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"])
+def test_file_that_is_no_picture_is_refused_by_name(tmp_path, content):
+    (tmp_path / "a.png").write_bytes(content)
+    with pytest.raises(InputUnusable, match=r"a\.png: .* no whole picture"):
+        read_picture(tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".tif", ".bmp"])
+def test_picture_cut_short_is_not_read_as_a_grey_rest(tmp_path, grey, suffix):
+    path = tmp_path / f"a{suffix}"
+    cv2.imwrite(str(path), grey)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2])
+    with pytest.raises(InputUnusable, match="no whole picture"):
+        read_picture(path)
+
+
+def test_folder_is_read_in_natural_order(tmp_path, grey):
+    for name in ("im10.png", "im2.PNG", "im1.png", "notes.txt"):
+        (tmp_path / name).write_bytes(cv2.imencode(".png", grey)[1].tobytes())
+    assert [p.name for p in pictures_of(tmp_path)] == ["im1.png", "im2.PNG", "im10.png"]
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("absent.png", "no such file"), ("notes.txt", "not a known kind"), ("", "without")]
+)
+def test_source_that_is_none_is_refused_with_what_is_allowed(tmp_path, name, said):
+    (tmp_path / "notes.txt").write_text("x")
+    with pytest.raises(InputUnusable, match=said):
+        pictures_of(tmp_path / name)
