@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from calib.arrays import FloatArray, frozen
+from calib.lens import normalised_of, picture_by_camera, picture_of, picture_slope
 
 PARAMETERS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
 
@@ -80,21 +80,88 @@ class CameraModel:
 
     def project(self, points_in_cam_mm: FloatArray) -> FloatArray:
         """Project points, shape (N, 3), to pixels, shape (N, 2)."""
-        x, y = (points_in_cam_mm[:, :2] / points_in_cam_mm[:, 2:]).T
-        r2 = x * x + y * y
-        radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
-        x_seen = x * radial + 2.0 * self.p1 * x * y + self.p2 * (r2 + 2.0 * x * x)
-        y_seen = y * radial + self.p1 * (r2 + 2.0 * y * y) + 2.0 * self.p2 * x * y
-        return np.column_stack([self.fx * x_seen + self.cx, self.fy * y_seen + self.cy])
+        return picture_of(points_in_cam_mm[:, :2] / points_in_cam_mm[:, 2:], self.parameters)
+
+    def project_with_jacobians(
+        self, points_in_cam_mm: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Project points, with what the pixels owe to the points and to the camera.
+
+        Parameters
+        ----------
+        points_in_cam_mm
+            Shape (N, 3), in front of the camera.
+
+        Returns
+        -------
+        pixels_px
+            Shape (N, 2).
+        by_point
+            d(pixel)/d(point), px/mm, shape (N, 2, 3).
+        by_camera
+            d(pixel)/d(camera), shape (N, 2, 9), in the order of `PARAMETERS`.
+        """
+        parameters = self.parameters
+        depth = points_in_cam_mm[:, 2]
+        normalised = points_in_cam_mm[:, :2] / depth[:, None]
+        by_point = picture_slope(normalised, parameters) @ normalised_by_point(normalised, depth)
+        pixels = picture_of(normalised, parameters)
+        return pixels, by_point, picture_by_camera(normalised, parameters)
 
     def rays(self, pixels_px: FloatArray) -> FloatArray:
-        """Return rays (x, y, 1) in the camera frame, shape (N, 3), of pixels, shape (N, 2)."""
-        if len(pixels_px) == 0:
-            return np.empty((0, 3))
-        normalised = cv2.undistortPoints(
-            np.ascontiguousarray(pixels_px, dtype=np.float64).reshape(-1, 1, 2),
-            self.matrix,
-            self.distortion,
-            criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 50, 1e-12),
-        ).reshape(-1, 2)
+        """Return rays (x, y, 1) in the camera frame of pixels.
+
+        Parameters
+        ----------
+        pixels_px
+            Shape (N, 2).
+
+        Returns
+        -------
+        rays_in_cam
+            Shape (N, 3); a row is NaN where the lens model has no inverse, far outside any
+            sensible picture.
+        """
+        normalised = normalised_of(np.asarray(pixels_px, dtype=np.float64), self.parameters)
         return np.column_stack([normalised, np.ones(len(normalised))])
+
+    def rays_with_jacobians(
+        self, pixels_px: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return rays, with what they owe to the pixels and to the camera.
+
+        Parameters
+        ----------
+        pixels_px
+            Shape (N, 2).
+
+        Returns
+        -------
+        rays_in_cam
+            (x, y, 1), shape (N, 3); NaN as in `rays`.
+        by_pixel
+            d(ray)/d(pixel), shape (N, 3, 2).
+        by_camera
+            d(ray)/d(camera) at a fixed pixel, shape (N, 3, 9).
+
+        Notes
+        -----
+        With p = f(x, camera) the ray of a fixed pixel moves by ``-(df/dx)^-1 df/dcamera``.
+        """
+        rays = self.rays(pixels_px)
+        slope = picture_slope(rays[:, :2], self.parameters)
+        # A ray that does not exist has no slope; its rows come out NaN instead of singular.
+        gone = np.isnan(slope[:, 0, 0])
+        inverse = np.linalg.inv(np.where(gone[:, None, None], np.eye(2), slope))
+        inverse[gone] = np.nan
+        by_pixel = np.zeros((len(rays), 3, 2))
+        by_pixel[:, :2] = inverse
+        return rays, by_pixel, -by_pixel @ picture_by_camera(rays[:, :2], self.parameters)
+
+
+def normalised_by_point(normalised: FloatArray, depth_mm: FloatArray) -> FloatArray:
+    """Return d(x/z, y/z)/d(point), 1/mm, shape (N, 2, 3)."""
+    jacobian = np.zeros((len(normalised), 2, 3))
+    jacobian[:, 0, 0] = jacobian[:, 1, 1] = 1.0 / depth_mm
+    jacobian[:, :, 2] = -normalised / depth_mm[:, None]
+    return jacobian

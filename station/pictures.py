@@ -1,4 +1,4 @@
-"""Pictures from files: what counts as one, how it becomes 8-bit grey, in which order a folder is read."""
+"""Pictures from files: what counts as one, how it becomes 8-bit grey, and a folder's order."""
 
 import re
 from pathlib import Path

@@ -24,7 +24,9 @@ def calibrate(
     method: Annotated[Method, typer.Option(help="How the light plane is solved.")] = Method.JOINT,
     laser_off: Annotated[
         list[Path] | None,
-        typer.Option(metavar="SOURCE", help="The same poses with the laser off, in the same order."),
+        typer.Option(
+            metavar="SOURCE", help="The same poses with the laser off, in the same order."
+        ),
     ] = None,
     points: Annotated[
         Path | None, typer.Option(metavar="FILE", help="points.csv to write: every point.")

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from typing import Annotated, Any
 
@@ -19,7 +19,7 @@ def emit(document: Any, text: str, *, as_json: bool) -> None:
 
 
 @contextmanager
-def progress_bar(title: str) -> Iterator[Progress]:
+def progress_bar(title: str) -> Generator[Progress]:
     """Show a progress bar on stderr while the block runs, where stderr is a terminal."""
     if not sys.stderr.isatty():
         yield silent

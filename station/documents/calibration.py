@@ -1,6 +1,5 @@
 """calibration.json: the answer, and what went in, so that it can be questioned later."""
 
-from datetime import datetime
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -112,7 +111,7 @@ class CalibrationDocument(Document):
         return all(gate.passed for gate in self.quality.values())
 
     def laser_sensor(self) -> LaserSensor:
-        """Return the calibrated sensor with its joint covariance (or its two blocks, where alone)."""
+        """Return the sensor; without a joint covariance, camera and plane count as independent."""
         camera = self.camera.model()
         if self.sensor_covariance is not None:
             covariance = np.array(self.sensor_covariance)
@@ -121,8 +120,3 @@ class CalibrationDocument(Document):
             covariance[:9, :9] = camera.covariance
             covariance[9:, 9:] = self.plane_covariance
         return LaserSensor(camera, self.plane.plane(), covariance)
-
-
-def timestamp(moment: datetime) -> str:
-    """Return RFC 3339 text in UTC, to the second."""
-    return moment.strftime("%Y-%m-%dT%H:%M:%SZ")

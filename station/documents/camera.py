@@ -34,7 +34,9 @@ class CameraDocument(Document):
             raise ValueError(f"estimated names {sorted(unknown)}; allowed: {', '.join(PARAMETERS)}")
         count = len(self.estimated)
         if not (len(self.covariance) == count and all(len(r) == count for r in self.covariance)):
-            raise ValueError(f"covariance must be {count} x {count}, one row an estimated parameter")
+            raise ValueError(
+                f"covariance must be {count} x {count}, one row an estimated parameter"
+            )
         return self
 
     @classmethod

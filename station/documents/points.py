@@ -3,12 +3,21 @@
 import csv
 import io
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from calib import Calibration, Cause, StripePoints, Target, TargetPoints, View
+from calib import (
+    Calibration,
+    Cause,
+    SolvedPoints,
+    SolvedView,
+    StripePoints,
+    Target,
+    TargetPoints,
+    View,
+)
 from station.errors import InputUnusable
 
 POINT_COLUMNS = (
@@ -23,55 +32,40 @@ def points_csv(views: Sequence[View], calibration: Calibration) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(POINT_COLUMNS)
-    solved = {view.name: view for view in calibration.views}
-    for view in views:
-        answer = solved[view.name]
-        writer.writerows(_dot_rows(view, answer.dots_corrected_px, answer.dots_used, answer.dots_cause))
+    for view, answer in zip(views, calibration.views, strict=True):
+        writer.writerows(_dot_rows(view, answer))
         if view.stripe is not None:
-            writer.writerows(
-                _stripe_rows(
-                    view.name,
-                    view.stripe,
-                    answer.stripe_corrected_px,
-                    answer.stripe_used,
-                    answer.stripe_cause,
-                )
-            )
+            writer.writerows(_stripe_rows(view.name, view.stripe, answer))
     return text.getvalue()
 
 
-def _dot_rows(
-    view: View, corrected_px: np.ndarray, used: np.ndarray, cause: Sequence[Cause]
-) -> Iterable[list[object]]:
+def _dot_rows(view: View, answer: SolvedView) -> Iterator[list[object]]:
     points = view.points
-    for i in range(len(points)):
-        yield [
-            view.name, "dot", points.row[i], points.col[i],
-            *_numbers(points.centre_px[i], points.sigma_px[i], corrected_px[i]),
-            int(used[i]), cause[i].value,
-        ]  # fmt: skip
+    for i, outcome in enumerate(_outcomes(answer.dots, len(points), answer.left_out)):
+        place = [view.name, "dot", points.row[i], points.col[i]]
+        yield [*place, *_numbers(points.centre_px[i], points.sigma_px[i]), *outcome]
 
 
-def _stripe_rows(
-    name: str,
-    stripe: StripePoints,
-    corrected_px: np.ndarray,
-    used: np.ndarray,
-    cause: Sequence[Cause],
-) -> Iterable[list[object]]:
-    # Only the normal direction is known; sigma_u and sigma_v are its parts, and their ratio gives
-    # the normal back up to the sign of one part, which the row order along the stripe settles.
+def _stripe_rows(name: str, stripe: StripePoints, answer: SolvedView) -> Iterator[list[object]]:
+    # Across the stripe alone something is known: its sigma, split on u and v by the normal (Eq. 9).
     sigma_px = np.abs(stripe.normal) * stripe.sigma_px[:, None]
-    for i in range(len(stripe)):
-        yield [
-            name, "stripe", "", "",
-            *_numbers(stripe.centre_px[i], sigma_px[i], corrected_px[i]),
-            int(used[i]), cause[i].value,
-        ]  # fmt: skip
+    for i, outcome in enumerate(_outcomes(answer.stripe, len(stripe), answer.left_out)):
+        yield [name, "stripe", "", "", *_numbers(stripe.centre_px[i], sigma_px[i]), *outcome]
+
+
+def _outcomes(solved: SolvedPoints | None, count: int, left_out: str) -> Iterator[list[object]]:
+    """Yield the last four columns; a view that was left out has a reason in place of numbers."""
+    if solved is None:
+        yield from [["", "", 0, left_out]] * count
+        return
+    for corrected_px, used, cause in zip(
+        solved.corrected_px, solved.used, solved.cause, strict=True
+    ):
+        yield [*_numbers(corrected_px), int(used), cause.value]
 
 
 def _numbers(*pairs: np.ndarray) -> list[str]:
-    return [f"{value:.5f}" if math.isfinite(value) else "" for pair in pairs for value in pair]
+    return [f"{value:.6f}" for pair in pairs for value in pair]
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,8 +146,8 @@ def _view(image: str, rows: Sequence[_Row], name: str) -> View:
         first = seen.setdefault((row.row, row.col), row.line)
         if first != row.line:
             raise InputUnusable(
-                f"{name} line {row.line}: dot {row.row}, {row.col} of {image} stands in line {first} "
-                "already; leave one out"
+                f"{name} line {row.line}: dot {row.row}, {row.col} of {image} stands in line "
+                f"{first} already; leave one out"
             )
     points = TargetPoints(
         row=np.array([r.row for r in dots], dtype=np.int64),

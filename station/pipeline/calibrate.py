@@ -67,9 +67,7 @@ def calibrate_sources(
     )
     width, height = _picture_size(seen, camera)
     progress(0.9, f"solving {method}")
-    answer = calibrate(
-        seen.views, target, width=width, height=height, camera=camera, method=method
-    )
+    answer = calibrate(seen.views, target, width=width, height=height, camera=camera, method=method)
     left_out = (*seen.left_out, *((v.name, v.left_out) for v in answer.views if v.left_out))
     document = _document(
         answer,

@@ -75,7 +75,9 @@ def _views_of_file(path: Path, target: Target) -> list[View]:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputUnusable(f"{path}: cannot be read as text ({error}); give a points.csv") from error
+        raise InputUnusable(
+            f"{path}: cannot be read as text ({error}); give a points.csv"
+        ) from error
     return views_from_points(text, target, name=str(path))
 
 

@@ -35,5 +35,4 @@ def _at_most(value: float, limit: float) -> Gate:
 def _sheet_sigma_mm(answer: Calibration, views: Sequence[View]) -> float:
     """RMS over all stripe points seen of the calibration's own part of a point's sigma, mm."""
     pixels_px = np.vstack([view.stripe.centre_px for view in views if view.stripe is not None])
-    variance_mm2 = np.trace(answer.sensor.location_covariance(pixels_px), axis1=1, axis2=2)
-    return float(np.sqrt(np.nanmean(variance_mm2)))
+    return float(np.sqrt(np.nanmean(answer.sensor.sigma_on_sheet(pixels_px) ** 2)))

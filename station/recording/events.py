@@ -43,37 +43,33 @@ class EventKind(StrEnum):
     """The recording ended as asked."""
 
 
-LOSSES = frozenset(
-    {
-        EventKind.FRAMES_LOST,
-        EventKind.FRAME_REFUSED,
-        EventKind.FRAMES_DROPPED,
-        EventKind.FRAMES_MISCOUNTED,
-        EventKind.CAMERA_LOST,
-        EventKind.CAPTURE_LOST,
-        EventKind.DISK_FULL,
-        EventKind.RECOVERED,
-    }
-)
+LOSSES = frozenset({
+    EventKind.FRAMES_LOST,
+    EventKind.FRAME_REFUSED,
+    EventKind.FRAMES_DROPPED,
+    EventKind.FRAMES_MISCOUNTED,
+    EventKind.CAMERA_LOST,
+    EventKind.CAPTURE_LOST,
+    EventKind.DISK_FULL,
+    EventKind.RECOVERED,
+})
 """A recording with one of these is not complete."""
 
 EVENT_SCHEMA_NAME = "treadline.Event"
-EVENT_SCHEMA = json.dumps(
-    {
-        "title": EVENT_SCHEMA_NAME,
-        "type": "object",
-        "properties": {
-            "kind": {"type": "string", "enum": list(EventKind)},
-            "frame_id": {
-                "type": ["integer", "null"],
-                "description": "first frame concerned, as the camera numbers them",
-            },
-            "count": {"type": "integer", "description": "frames (or packets) concerned"},
-            "detail": {"type": "string"},
+EVENT_SCHEMA = json.dumps({
+    "title": EVENT_SCHEMA_NAME,
+    "type": "object",
+    "properties": {
+        "kind": {"type": "string", "enum": list(EventKind)},
+        "frame_id": {
+            "type": ["integer", "null"],
+            "description": "first frame concerned, as the camera numbers them",
         },
-        "required": ["kind", "frame_id", "count", "detail"],
-    }
-).encode()
+        "count": {"type": "integer", "description": "frames (or packets) concerned"},
+        "detail": {"type": "string"},
+    },
+    "required": ["kind", "frame_id", "count", "detail"],
+}).encode()
 """JSON schema of an event message; its time is the message's log time."""
 
 
@@ -95,14 +91,12 @@ class Event:
 
     def message(self) -> bytes:
         """Return the body of the event's message in a recording."""
-        return json.dumps(
-            {
-                "kind": self.kind,
-                "frame_id": self.frame_id,
-                "count": self.count,
-                "detail": self.detail,
-            }
-        ).encode()
+        return json.dumps({
+            "kind": self.kind,
+            "frame_id": self.frame_id,
+            "count": self.count,
+            "detail": self.detail,
+        }).encode()
 
     @classmethod
     def from_message(cls, body: bytes | memoryview, time_ns: int) -> "Event":

@@ -71,11 +71,8 @@ def read_raw_image(message: memoryview) -> RawImage:
 
 
 def _time_ns(stamp: memoryview) -> int:
-    fields = dict(_fields(stamp))
-    seconds, nanos = fields.get(_SECONDS, 0), fields.get(_NANOS, 0)
-    if not (isinstance(seconds, int) and isinstance(nanos, int)):
-        raise ValueError("a timestamp's seconds and nanos must be numbers")
-    return seconds * _NS + nanos
+    fields = {field: value for field, value in _fields(stamp) if isinstance(value, int)}
+    return fields.get(_SECONDS, 0) * _NS + fields.get(_NANOS, 0)
 
 
 def _fields(message: memoryview) -> Iterator[tuple[int, int | memoryview]]:

@@ -1,6 +1,6 @@
 """The connection to the database and the two ways to use it: to change, and to look."""
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
@@ -57,13 +57,13 @@ class Store:
         return cls(open_engine(url))
 
     @contextmanager
-    def change(self) -> Iterator[Session]:
+    def change(self) -> Generator[Session]:
         """Hold the store for writing: all that happens in the block, or nothing."""
         with self._change.begin() as session:
             yield session
 
     @contextmanager
-    def look(self) -> Iterator[Session]:
+    def look(self) -> Generator[Session]:
         """Read the store as it is at one moment; writers are not held up."""
         with self._look() as session:
             yield session

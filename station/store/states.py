@@ -1,7 +1,7 @@
 """The states of what the station keeps, and which may follow which.
 
-A command that asks for a step not in the table is refused with the present state; nothing waits in a queue for
-the state to change.
+A command that asks for a step not in the table is refused with the present state; nothing waits
+in a queue for the state to change.
 """
 
 from collections.abc import Mapping

@@ -132,7 +132,7 @@ class Calibration(Table):
     reason: Mapped[str | None] = mapped_column(Text)
     job_id: Mapped[str]
     document: Mapped[str | None] = mapped_column(Text)
-    left_out: Mapped[JsonObject | None]  # picture: reason
+    passed: Mapped[bool | None]  # whether its figures keep the limits
 
 
 class CalibrationPoints(Table):
@@ -145,7 +145,7 @@ class CalibrationPoints(Table):
 
 
 class Activation(Table):
-    """A calibration coming into force on a sensor; the last one counts, the others are its history."""
+    """A calibration coming into force on a sensor; the last one counts, the rest is history."""
 
     __tablename__ = "activations"
     # Two writers who read the same version cannot both go on from it, on any database.
@@ -163,7 +163,8 @@ class Measurement(Table):
     """One wheel measured: from which frame, by which calibration and software, with what result."""
 
     __tablename__ = "measurements"
-    # Measuring again with the same calibration, as after a crash, adds nothing; with another adds a row.
+    # Measuring again with the same calibration, as after a crash, adds nothing; with another
+    # calibration it adds a row and leaves the old one.
     __table_args__ = (
         UniqueConstraint("recording_id", "frame", "calibration_id"),
         Index("ix_measurements_sensor_id", "sensor", "id"),

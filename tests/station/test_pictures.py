@@ -56,7 +56,8 @@ def test_folder_is_read_in_natural_order(tmp_path, grey):
 
 
 @pytest.mark.parametrize(
-    ("name", "said"), [("absent.png", "no such file"), ("notes.txt", "not a known kind"), ("", "without")]
+    ("name", "said"),
+    [("absent.png", "no such file"), ("notes.txt", "not a known kind"), ("", "without")],
 )
 def test_source_that_is_none_is_refused_with_what_is_allowed(tmp_path, name, said):
     (tmp_path / "notes.txt").write_text("x")

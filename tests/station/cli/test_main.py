@@ -39,7 +39,9 @@ def test_error_that_is_nobodys_mistake_is_not_hidden():
         run(app_that(break_down), [])
 
 
-@pytest.mark.parametrize("arguments", [["nonsense"], ["calibrate", "x.png"], ["calibrate", "--bad"]])
+@pytest.mark.parametrize(
+    "arguments", [["nonsense"], ["calibrate", "x.png"], ["calibrate", "--bad"]]
+)
 def test_wrong_usage_is_one_line_and_exit_2(capsys, arguments):
     assert run(build_app(), arguments) == 2
     err = capsys.readouterr().err

@@ -1,0 +1,93 @@
+r"""Which points to believe, told from the data's own scatter.
+
+Each kind of point (dots, stripe) is a mixture: a share :math:`1 - \pi` scatters normally with s
+times its predicted sigma, the rest lies anywhere within `_REACH` of those standard deviations.
+Share and scale are estimated with the answer (expectation maximisation), so clean data keep
+practically all their weight - a point at 3 sigma counts for more than 0.98 - and gross errors
+keep none. A fixed robust loss would cost 5 % of the information where there is nothing to reject.
+
+Far from the answer the residuals are misfit, not noise. There the weights are Huber's, with the
+scale from the median, which no start can lock out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.arrays import BoolArray, FloatArray
+
+# Half-width, in standard deviations, of the box an outlier may lie in.
+_REACH = 50.0
+_LEAST_SHARE, _MOST_SHARE = 1e-3, 0.5
+# Residuals a thousandth of the prediction: noise-free data. Below, the weights lose their meaning.
+_LEAST_SCALE = 1e-3
+# Huber's turn from square to straight, in standard deviations.
+_HUBER = 1.5
+# Median of the squared length of a standard normal vector of 1 and 2 dimensions.
+_MEDIAN_SQUARE = {1: 0.454936, 2: 1.386294}
+
+
+@dataclass(frozen=True, slots=True)
+class Mixture:
+    """Scatter of one kind of point.
+
+    Attributes
+    ----------
+    scale
+        s: actual over predicted standard deviation of the points believed.
+    share
+        pi: share of outliers.
+    settled
+        False while the state is far from the answer (see the module's text).
+    """
+
+    scale: float
+    share: float
+    settled: bool = False
+
+    @classmethod
+    def from_median(cls, residual: FloatArray) -> "Mixture":
+        """Judge the scatter of whitened residuals, shape (N, 1 or 2), by their median."""
+        if len(residual) == 0:
+            return cls(1.0, _LEAST_SHARE)
+        square = float(np.median((residual**2).sum(axis=1)))
+        scale = np.sqrt(square / _MEDIAN_SQUARE[residual.shape[1]])
+        return cls(max(float(scale), _LEAST_SCALE), 0.05)
+
+    def weights(self, residual: FloatArray) -> FloatArray:
+        """Return how far each point is believed, 0 to 1, shape (N,).
+
+        Parameters
+        ----------
+        residual
+            Shape (N, 1 or 2), over the predicted sigma.
+        """
+        square = (residual**2).sum(axis=1) / self.scale**2
+        if not self.settled:
+            return np.asarray(_HUBER / np.sqrt(square).clip(min=_HUBER))
+        dimensions = residual.shape[1]
+        normal = (1.0 - self.share) * (2.0 * np.pi) ** (-dimensions / 2.0)
+        box = self.share * (2.0 * _REACH) ** -dimensions
+        # Beyond exp(-300) nothing is left of a weight, and the exponential would overflow.
+        return np.asarray(1.0 / (1.0 + box / normal * np.exp(np.minimum(square / 2.0, 300.0))))
+
+    def believed(self, residual: FloatArray) -> BoolArray:
+        """Tell which points are more likely good than not, shape (N,)."""
+        return self.weights(residual) > 0.5
+
+    def updated(self, residual: FloatArray, weights: FloatArray, spent: float) -> "Mixture":
+        """Return the mixture these residuals speak for.
+
+        Parameters
+        ----------
+        residual, weights
+            Shape (N, 1 or 2) and (N,), the weights from `weights`.
+        spent
+            Degrees of freedom the parameters take from this kind of point.
+        """
+        freedom = weights.sum() * residual.shape[1] - spent
+        if not freedom >= 1.0:
+            return Mixture(self.scale, self.share, settled=True)
+        scale = np.sqrt((weights[:, None] * residual**2).sum() / freedom)
+        share = np.clip(1.0 - weights.mean(), _LEAST_SHARE, _MOST_SHARE)
+        return Mixture(max(float(scale), _LEAST_SCALE), float(share), settled=True)

@@ -1,0 +1,185 @@
+"""The brightness across a stripe: its height, width and ground, fitted where it is not clipped."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from calib.arrays import BoolArray, FloatArray, Picture
+from calib.noise import SATURATED_FROM
+from calib.ridge import Float32Array
+
+_ITERATIONS = 4
+_MORE_IF_CLIPPED = 8
+_RESAMPLING_VARIANCE = 1.0 / 6.0  # px^2: what going between pixels adds to a profile's width
+_NARROWEST_PX, _WIDEST_PX = 0.4, 14.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profiles:
+    """Fits of ``height * exp(-(c - centre)² / 2 width²) + ground + slope * c``.
+
+    Attributes
+    ----------
+    height, ground
+        Shape (N,), counts; the height may exceed 255 where the sensor clips.
+    centre_px, width_px
+        Shape (N,), along the normal, from the place asked for.
+    slope
+        Shape (N,), of the ground, counts / px.
+    misfit
+        Shape (N,), rms of what the fit leaves, counts.
+    saturated
+        Shape (N,), the profile touches the sensor's limit.
+    """
+
+    height: FloatArray
+    centre_px: FloatArray
+    width_px: FloatArray
+    ground: FloatArray
+    slope: FloatArray
+    misfit: FloatArray
+    saturated: BoolArray
+
+    def repeat(self, index: FloatArray) -> "Profiles":
+        """Return the fits that belong to each entry of an index array."""
+        return Profiles(*(getattr(self, name)[index] for name in self.__slots__))
+
+
+def sample_across(
+    picture: Picture, place_px: FloatArray, normal: FloatArray, reach: int
+) -> Float32Array:
+    """Return brightness along normals, shape (N, 2 * reach + 1), one sample a pixel.
+
+    Beyond the picture the nearest pixel repeats.
+    """
+    offset = np.arange(-reach, reach + 1)
+    u = place_px[:, :1] + offset * normal[:, :1]
+    v = place_px[:, 1:] + offset * normal[:, 1:]
+    return np.asarray(
+        cv2.remap(
+            picture,
+            u.astype(np.float32),
+            v.astype(np.float32),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
+        ),
+        dtype=np.float32,
+    )
+
+
+def fit_profiles(samples: Float32Array) -> Profiles:
+    """Fit a Gaussian on a sloping ground to each row of samples.
+
+    Parameters
+    ----------
+    samples
+        Shape (N, K), counts, K odd; the middle is near the stripe's centre.
+
+    Returns
+    -------
+    Profiles
+        A fit that did not find a bright stripe has height 0.
+
+    Notes
+    -----
+    Damped Gauss-Newton steps on all rows at once. Where a sample touches the sensor's limit the
+    model is clipped as the sensor clips: the flanks alone then tell the height.
+    """
+    reach = samples.shape[1] // 2
+    c = np.arange(-reach, reach + 1, dtype=np.float32)
+    parameters = _first_guess(samples)
+    weight = _window(c, parameters[:, 2])
+    clipped = samples >= SATURATED_FROM
+    any_clipped = clipped.any(axis=1)
+    parameters[any_clipped, 0] *= 1.3
+    for _ in range(_ITERATIONS):
+        parameters = _stepped(parameters, samples, weight, clipped, c)
+    if any_clipped.any():
+        # The height of a clipped stripe is known by its flanks alone: it takes more steps.
+        for _ in range(_MORE_IF_CLIPPED):
+            parameters[any_clipped] = _stepped(
+                parameters[any_clipped], samples[any_clipped], weight[any_clipped],
+                clipped[any_clipped], c,
+            )
+    model, _ = _model(parameters, c)
+    left = (samples - np.where(clipped, np.minimum(model, samples), model)) * weight
+    misfit = np.sqrt((left**2).sum(axis=1) / weight.sum(axis=1))
+    height, centre, raw_width, ground, slope = parameters.T.astype(np.float64)
+    width = np.sqrt(np.maximum(raw_width**2 - _RESAMPLING_VARIANCE, _NARROWEST_PX**2))
+    # Resampling keeps the area of the profile.
+    height *= raw_width / width
+    middle = np.abs(c) <= 1.0 + np.minimum(width, 3.0)[:, None]
+    saturated = (clipped & middle).any(axis=1)
+    return Profiles(height, centre, width, ground, slope, misfit.astype(np.float64), saturated)
+
+
+def _window(c: Float32Array, width_px: Float32Array) -> Float32Array:
+    """Look no farther than the stripe's foot, so that neighbours do not pull."""
+    return (np.abs(c) <= np.maximum(4.0 * width_px + 2.0, 6.0)[:, None]).astype(np.float32)
+
+
+def _first_guess(samples: Float32Array) -> Float32Array:
+    """Width from the samples above half the height, ground from the feet."""
+    reach = samples.shape[1] // 2
+    row = np.arange(len(samples))
+    peak = samples[:, reach - 1 : reach + 2].mean(axis=1)
+    low = samples.min(axis=1)
+    above = samples > (0.5 * (peak + low))[:, None]
+    right = np.cumprod(above[:, reach:], axis=1).sum(axis=1)
+    left = np.cumprod(above[:, reach::-1], axis=1).sum(axis=1)
+    width = np.clip((left + right - 1) / 2.355, 1.0, 0.4 * reach)
+    centre = np.clip(0.5 * (right - left), -0.3 * reach, 0.3 * reach)
+    foot = np.minimum(np.rint(3.0 * width + 1.0), reach).astype(np.intp)
+    start, end = samples[row, reach - foot], samples[row, reach + foot]
+    slope = (end - start) / (2.0 * foot)
+    ground = 0.5 * (start + end)
+    height = np.maximum(peak - ground, 1.0)
+    return np.column_stack([height, centre, width, ground, slope]).astype(np.float32)
+
+
+def _stepped(
+    parameters: Float32Array,
+    samples: Float32Array,
+    weight: Float32Array,
+    clipped: BoolArray,
+    c: Float32Array,
+) -> Float32Array:
+    """Take one damped Gauss-Newton step."""
+    model, jacobian = _model(parameters, c)
+    # A clipped sample says only "at least this": no pull once the model is above it.
+    pull = weight * ~(clipped & (model >= samples))
+    jacobian *= pull[:, None, :]
+    normal = (jacobian @ jacobian.transpose(0, 2, 1)).astype(np.float64)
+    gradient = jacobian @ ((samples - model) * pull)[:, :, None]
+    damping = 1e-3 * np.einsum("nii->ni", normal) + 1e-6
+    np.einsum("nii->ni", normal)[...] += damping
+    step = np.linalg.solve(normal, gradient.astype(np.float64))[:, :, 0]
+    return _bounded(parameters + step.astype(np.float32), parameters, samples.shape[1] // 2)
+
+
+def _model(
+    parameters: Float32Array, c: Float32Array
+) -> tuple[Float32Array, Float32Array]:
+    """Return the model, shape (N, K), and its derivatives, shape (N, 5, K)."""
+    height, centre, width, ground, slope = (p[:, None] for p in parameters.T)
+    x = (c - centre) / width
+    bell = np.exp(-0.5 * x * x)
+    by_centre = height * bell * x / width
+    jacobian = np.empty((len(parameters), 5, c.size), dtype=np.float32)
+    jacobian[:, 0] = bell
+    jacobian[:, 1] = by_centre
+    jacobian[:, 2] = by_centre * x
+    jacobian[:, 3] = 1.0
+    jacobian[:, 4] = c
+    return height * bell + ground + slope * c, jacobian
+
+
+def _bounded(now: Float32Array, before: Float32Array, reach: int) -> Float32Array:
+    """Keep a step inside what a stripe can be."""
+    now[:, 0] = np.clip(now[:, 0], 0.0, np.maximum(2.0 * before[:, 0], 50.0))
+    now[:, 0] = np.minimum(now[:, 0], 5000.0)
+    now[:, 1] = np.clip(now[:, 1], -0.4 * reach, 0.4 * reach)
+    now[:, 2] = np.clip(now[:, 2], 0.6 * before[:, 2], 1.6 * before[:, 2])
+    now[:, 2] = np.clip(now[:, 2], _NARROWEST_PX, _WIDEST_PX)
+    return now

@@ -1,0 +1,184 @@
+"""Where a stripe may be: ridges of the picture at a quarter and an eighth of its size."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.arrays import BoolArray, FloatArray, IntArray, Picture
+from calib.noise import PixelNoise
+from calib.ridge import Float32Array, Ridge, gaussian_rows
+
+SHRINK = 4
+"""A stripe 1.5 to 8 px wide becomes one of 0.4 to 2, and its noise falls to a quarter."""
+
+_KERNEL = 1.1
+_LINE_LIKE = 0.55
+_WEAK_SIGMAS = 4.0
+_STRONG_SIGMAS = 10.0
+_HALF_PIXEL = 0.62  # a little more than 0.5, so that a ridge between two pixels is not lost
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StripeSeeds:
+    """Places near a ridge, in groups of `SHRINK` that lie side by side along it.
+
+    Attributes
+    ----------
+    place_px
+        Shape (G, SHRINK, 2), in the full picture, about a pixel apart.
+    normal
+        Shape (G, 2).
+    """
+
+    place_px: FloatArray
+    normal: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.place_px)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _CoarsePoints:
+    place: FloatArray  # (G, 2), in pixels of the picture at a quarter
+    normal: FloatArray  # (G, 2)
+    strength: FloatArray  # (G,), curvature in sigmas of its noise
+
+
+def find_seeds(
+    picture: Picture,
+    noise: PixelNoise,
+    *,
+    region: BoolArray | None,
+    min_height: float,
+    min_length_px: float,
+) -> StripeSeeds:
+    """Find places near bright ridges.
+
+    Parameters
+    ----------
+    picture
+        Shape (H, W).
+    noise
+        Noise of its pixels.
+    region
+        Shape (H, W), where to look; None is everywhere.
+    min_height
+        Counts over the ground.
+    min_length_px
+        Shorter ridges are left out.
+    """
+    height, width = (max(side // SHRINK, 1) for side in picture.shape)
+    cut = picture[: height * SHRINK, : width * SHRINK]
+    small = cv2.resize(cut, (width, height), interpolation=cv2.INTER_AREA).astype(np.float32)
+    smaller = cv2.resize(
+        small, (max(width // 2, 1), max(height // 2, 1)), interpolation=cv2.INTER_AREA
+    )
+    deviation = np.sqrt(noise.floor) / SHRINK
+    fine = _coarse_ridges(small, deviation, min_height)
+    wide = _upscaled(_coarse_ridges(smaller, 0.5 * deviation, min_height))
+    found = _joined(fine, _away_from(fine, wide, small.shape))
+    if region is not None:
+        pixel = np.rint(SHRINK * found.place + 0.5 * (SHRINK - 1)).astype(np.int64)
+        pixel = np.clip(pixel, 0, np.array(region.shape)[::-1] - 1)
+        found = _picked(found, region[pixel[:, 1], pixel[:, 0]])
+    return _spread(_picked(found, _long_and_strong(found, small.shape, min_length_px / SHRINK)))
+
+
+def _coarse_ridges(small: Float32Array, deviation: float, min_height: float) -> _CoarsePoints:
+    """Return every pixel of the small picture on top of a line-like bright ridge."""
+    g, slope, bend = gaussian_rows(_KERNEL, np.zeros(1))[0].astype(np.float32)
+
+    def smoothed(along_u: Float32Array, along_v: Float32Array) -> NDArray[np.float32]:
+        return np.asarray(cv2.sepFilter2D(small, cv2.CV_32F, along_u, along_v), dtype=np.float32)
+
+    guu, gvv = smoothed(bend, g), smoothed(g, bend)
+    noise = np.sqrt(3.0 / (16.0 * np.pi)) / _KERNEL**3 * deviation
+    # Curvature per count at the top of a ridge half as wide as the kernel (Eq. 8), or twice.
+    least = max(0.12 * min_height / _KERNEL**2, _WEAK_SIGMAS * noise)
+    v, u = np.nonzero(guu + gvv < -0.8 * least)
+    derivatives = np.stack(
+        [r[v, u] for r in (smoothed(slope, g), smoothed(g, slope), guu)]
+        + [smoothed(slope, slope)[v, u], gvv[v, u]],
+        axis=1,
+    )
+    ridge = Ridge.from_derivatives(derivatives.astype(np.float64))
+    good = (
+        (np.abs(ridge.step_px).max(axis=1) <= _HALF_PIXEL)
+        & (-ridge.curvature > least)
+        & (np.abs(ridge.along) < _LINE_LIKE * -ridge.curvature)
+    )
+    place = np.column_stack([u, v])[good] + ridge.step_px[good]
+    return _CoarsePoints(place, ridge.normal[good], -ridge.curvature[good] / noise)
+
+
+def _upscaled(points: _CoarsePoints) -> _CoarsePoints:
+    """Carry points of the picture at an eighth to the one at a quarter: one becomes two."""
+    tangent = np.column_stack([-points.normal[:, 1], points.normal[:, 0]])
+    tangent /= np.maximum(np.abs(tangent).max(axis=1, keepdims=True), 1e-9)
+    place = 2.0 * points.place + 0.5
+    return _CoarsePoints(
+        np.concatenate([place - 0.5 * tangent, place + 0.5 * tangent]),
+        np.tile(points.normal, (2, 1)),
+        np.tile(points.strength, 2),
+    )
+
+
+def _joined(one: _CoarsePoints, other: _CoarsePoints) -> _CoarsePoints:
+    return _CoarsePoints(
+        np.concatenate([one.place, other.place]),
+        np.concatenate([one.normal, other.normal]),
+        np.concatenate([one.strength, other.strength]),
+    )
+
+
+def _picked(points: _CoarsePoints, keep: BoolArray) -> _CoarsePoints:
+    return _CoarsePoints(points.place[keep], points.normal[keep], points.strength[keep])
+
+
+def _pixels(place: FloatArray, shape: tuple[int, ...]) -> IntArray:
+    """Return the whole pixels (u, v) of places, kept inside the picture."""
+    pixel = np.rint(place).astype(np.int64)
+    return np.clip(pixel, 0, np.array(shape)[::-1] - 1)
+
+
+def _away_from(fine: _CoarsePoints, wide: _CoarsePoints, shape: tuple[int, ...]) -> _CoarsePoints:
+    """Keep the wide ridges that the fine kernel does not see: broad, clipped stripes."""
+    near = cv2.dilate(_mask(fine, shape), np.ones((3, 3), dtype=np.uint8))
+    pixel = _pixels(wide.place, shape)
+    return _picked(wide, near[pixel[:, 1], pixel[:, 0]] == 0)
+
+
+def _mask(points: _CoarsePoints, shape: tuple[int, ...]) -> NDArray[np.uint8]:
+    mask = np.zeros(shape, dtype=np.uint8)
+    pixel = _pixels(points.place, shape)
+    mask[pixel[:, 1], pixel[:, 0]] = 1
+    return mask
+
+
+def _long_and_strong(
+    points: _CoarsePoints, shape: tuple[int, ...], min_length: float
+) -> BoolArray:
+    """Return which points belong to a connected ridge that is long and strong enough."""
+    # Speckle tears a ridge; a gap of one pixel is bridged.
+    mask = cv2.dilate(_mask(points, shape), np.ones((3, 3), dtype=np.uint8))
+    _, labels, boxes, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    pixel = _pixels(points.place, shape)
+    label = labels[pixel[:, 1], pixel[:, 0]]
+    reach = np.maximum(boxes[:, cv2.CC_STAT_WIDTH], boxes[:, cv2.CC_STAT_HEIGHT]) - 2
+    strongest = np.zeros(len(boxes))
+    np.maximum.at(strongest, label, points.strength)
+    good = (reach >= min_length) & (strongest >= _STRONG_SIGMAS)
+    return np.asarray(good[label])
+
+
+def _spread(points: _CoarsePoints) -> StripeSeeds:
+    """Put seeds along each coarse ridge pixel, one per pixel of the full picture."""
+    tangent = np.column_stack([-points.normal[:, 1], points.normal[:, 0]])
+    tangent /= np.maximum(np.abs(tangent).max(axis=1, keepdims=True), 1e-9)
+    along = np.arange(SHRINK) - 0.5 * (SHRINK - 1)
+    centre = SHRINK * points.place + 0.5 * (SHRINK - 1)
+    return StripeSeeds(
+        centre[:, None, :] + along[None, :, None] * tangent[:, None, :], points.normal
+    )

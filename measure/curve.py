@@ -1,0 +1,134 @@
+"""A measured profile as a curve of points that can be read anywhere along it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib import FloatArray
+from measure.estimate import Estimate
+from measure.localfit import LocalFit
+from measure.quantities import Status
+
+_BIN_MM = 0.5
+# A parabola fitted to 3 mm of points is still sound this far beyond them.
+_EXTRAPOLATION_MM = 2.0
+_REFITS = 4
+# A wide window is used where it agrees with a narrow one to this many of the narrow one's sigmas.
+_AGREEMENT_SIGMAS = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """An estimate and how it was come by."""
+
+    estimate: Estimate
+    status: Status
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """Points of a profile, in order from the flange back to the field side.
+
+    Attributes
+    ----------
+    points_mm
+        Shape (N, 2): lateral place a (rising to the field side) and height r (rising outward).
+    along_mm
+        Shape (N,), rising: place along the profile.
+    sigma_mm
+        Shape (N,): standard deviation across the profile, as it counts in a mean.
+    window_mm
+        Half-width of the pieces that are smoothed.
+    """
+
+    points_mm: FloatArray
+    along_mm: FloatArray
+    sigma_mm: FloatArray
+    window_mm: float
+
+    def __len__(self) -> int:
+        return len(self.points_mm)
+
+    def nodes(self) -> FloatArray:
+        """Return means over half a millimetre of the profile, shape (M, 2)."""
+        return _bin_means(self.points_mm, self.along_mm, 1.0 / self.sigma_mm**2)[0]
+
+    def nodes_sigma(self) -> tuple[FloatArray, FloatArray]:
+        """Return the nodes and their standard deviation, shapes (M, 2) and (M,)."""
+        return _bin_means(self.points_mm, self.along_mm, 1.0 / self.sigma_mm**2)
+
+    def fit(self, place_mm: FloatArray, scale: float = 1.0) -> LocalFit | None:
+        """Fit the piece around a place; the window halves where the profile bends too sharply.
+
+        Lepski's rule: the wide window is taken only where it agrees with the narrow one within
+        the noise of the latter, so that a worn edge is followed and a smooth tread is averaged.
+        """
+        weight = 1.0 / self.sigma_mm**2
+        half_window = self.window_mm * scale
+        wide = LocalFit.around(self.points_mm, weight, place_mm, half_window)
+        narrow = LocalFit.around(self.points_mm, weight, place_mm, half_window / 2.0)
+        if wide is None or narrow is None:
+            return wide
+        middle = narrow.point(0.0)
+        gap = abs(wide.distance_mm(middle))
+        sigma = float(np.sqrt(narrow.solver[0] ** 2 @ self.sigma_mm[narrow.index] ** 2))
+        return wide if gap <= _AGREEMENT_SIGMAS * sigma else narrow
+
+    def read(
+        self, axis: int, level: Estimate, place_mm: FloatArray, scale: float = 1.0
+    ) -> Found | None:
+        """Read coordinate `axis` (0: a, 1: r) where the other one takes a value.
+
+        Parameters
+        ----------
+        axis
+            The coordinate to read.
+        level
+            The value of the other one, with its own gradient.
+        place_mm
+            Shape (2,), where to start looking.
+        scale
+            Factor on the window.
+
+        Returns
+        -------
+        Found or None
+            None where the points do not reach the place.
+        """
+        for _ in range(_REFITS):
+            fit = self.fit(place_mm, scale)
+            s = fit.crossing(1 - axis, level.value) if fit is not None else None
+            if fit is None or s is None or fit.beyond_mm(s) > _EXTRAPOLATION_MM:
+                return None
+            place_mm = fit.point(s)
+            if abs(s) < 0.2 * self.window_mm:
+                break
+        read = fit.read(axis, s)
+        moved = Estimate(read.value, read.gradient + fit.slope(axis, s) * level.gradient)
+        return Found(moved, _status(fit, s))
+
+    def crest(self, place_mm: FloatArray) -> tuple[Found, float] | None:
+        """Read the greatest r near a place, and the a where it is; None where there is no crest."""
+        for _ in range(_REFITS):
+            fit = self.fit(place_mm)
+            s = fit.crest() if fit is not None else None
+            if fit is None or s is None or fit.beyond_mm(s) > 0.0:
+                return None
+            place_mm = fit.point(s)
+            if abs(s) < 0.2 * self.window_mm:
+                break
+        return Found(fit.read(1, s), Status.OK), float(place_mm[0])
+
+
+def _status(fit: LocalFit, s: float) -> Status:
+    return Status.OK if fit.covers(s) else Status.EXTRAPOLATED
+
+
+def _bin_means(
+    points_mm: FloatArray, along_mm: FloatArray, weight: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    place = np.floor((along_mm - along_mm[0]) / _BIN_MM).astype(np.int64)
+    _, bins = np.unique(place, return_inverse=True)
+    total = np.bincount(bins, weight)
+    mean = [np.bincount(bins, weight * column) / total for column in points_mm.T]
+    return np.column_stack(mean), 1.0 / np.sqrt(total)

@@ -1,0 +1,173 @@
+"""The gauges: what EN 15313 and the type-4 wheel gauge read, taken off a measured curve."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib import FloatArray
+from measure.curve import Curve, Found
+from measure.estimate import Estimate
+from measure.quantities import Quantity, Status
+from measure.reference import ReferenceProfile
+
+TAPE_D_MM = 70.0
+"""Distance of the tape circle from the flange back."""
+_TIP_D_MM = (4.0, 40.0)
+_TREAD_WINDOW = 1.5
+# The running tread, clear of the throat and of the chamfer; every other millimetre is looked at.
+_TREAD_D_MM = np.arange(56.0, 118.1, 2.0)
+_HOLLOW_D_MM = np.arange(56.0, 126.1, 2.0)
+_MIN_TREAD_SHARE = 0.7
+
+_ORDER = (Status.OK, Status.EXTRAPOLATED, Status.REFERENCE_ASSUMED, Status.MISSING)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gauged:
+    """What was read off one curve.
+
+    Attributes
+    ----------
+    found
+        The readings that could be taken.
+    tip_mm
+        Height r of the flange tip; the vertical datum.
+    wear_max_at_d_mm
+        Where the greatest tread wear is.
+    """
+
+    found: Mapping[Quantity, Found]
+    tip_mm: float
+    wear_max_at_d_mm: float | None
+
+
+def gauge(curve: Curve, back: Found, reference: ReferenceProfile) -> Gauged | None:
+    """Read all gauges off a curve.
+
+    Parameters
+    ----------
+    curve
+        The measured profile.
+    back
+        Lateral place a of the flange back: d = a - back. Where it is not seen but assumed from
+        the reference, its status says so, and with it that of every reading.
+    reference
+        What wear is counted from.
+
+    Returns
+    -------
+    Gauged or None
+        None where no flange tip is seen: it is the datum of all.
+    """
+    nodes = curve.nodes()
+    crest = curve.crest(_highest(nodes, back.estimate.value))
+    if crest is None:
+        return None
+    tip, _ = crest
+    readings = _flange_readings(curve, nodes, back, tip)
+    if Quantity.FLANGE_HEIGHT in readings:
+        height = readings[Quantity.FLANGE_HEIGHT]
+        nominal = reference.nominal[Quantity.FLANGE_HEIGHT]
+        wear = Found(height.estimate - nominal, height.status)
+        # Aligned at back and tip, the height lost at d = 70 is the loss of Sh (wheel.md's words
+        # for it differ by trade, the number does not).
+        readings |= {Quantity.TREAD_WEAR: wear, Quantity.TREAD_WEAR_AT_70: wear}
+    wear_max, at_d = _greatest_wear(curve, nodes, back, tip, reference)
+    hollow = _hollow(curve, nodes, back)
+    optional = {Quantity.TREAD_WEAR_MAX: wear_max, Quantity.HOLLOW_DEPTH: hollow}
+    readings |= {quantity: found for quantity, found in optional.items() if found is not None}
+    return Gauged(readings, tip.estimate.value, at_d)
+
+
+def _flange_readings(
+    curve: Curve, nodes: FloatArray, back: Found, tip: Found
+) -> dict[Quantity, Found]:
+    tread = _height_at(curve, nodes, back.estimate + TAPE_D_MM)
+    if tread is None:
+        return {}
+    level = tread.estimate
+    readings = {Quantity.FLANGE_HEIGHT: _combined(tip.estimate - level, tip, tread, back)}
+    face_10 = _face_at(curve, nodes, level + 10.0, tip.estimate.value)
+    face_12 = _face_at(curve, nodes, level + 12.0, tip.estimate.value)
+    near_tip = _face_at(curve, nodes, tip.estimate - 2.0, tip.estimate.value)
+    for quantity, face in (
+        (Quantity.FLANGE_THICKNESS_10, face_10),
+        (Quantity.FLANGE_THICKNESS_12, face_12),
+    ):
+        if face is not None:
+            thickness = face.estimate - back.estimate
+            readings[quantity] = _combined(thickness, face, tread, back)
+    if face_10 is not None and near_tip is not None:
+        gradient = face_10.estimate - near_tip.estimate
+        readings[Quantity.FLANGE_GRADIENT_QR] = _combined(gradient, face_10, near_tip, tread, back)
+    return readings
+
+
+def _combined(estimate: Estimate, *parts: Found) -> Found:
+    return Found(estimate, max((part.status for part in parts), key=_ORDER.index))
+
+
+def _highest(nodes: FloatArray, back_mm: float) -> FloatArray:
+    d = nodes[:, 0] - back_mm
+    candidates = nodes[(d >= _TIP_D_MM[0]) & (d <= _TIP_D_MM[1])]
+    pool = candidates if len(candidates) else nodes
+    return np.asarray(pool[np.argmax(pool[:, 1])])
+
+
+def _height_at(curve: Curve, nodes: FloatArray, place: Estimate) -> Found | None:
+    tip = int(np.argmax(nodes[:, 1]))
+    field = nodes[tip:]
+    if not len(field):
+        return None
+    start = field[np.argmin(np.abs(field[:, 0] - place.value))]
+    return curve.read(1, place, start, _TREAD_WINDOW)
+
+
+def _face_at(curve: Curve, nodes: FloatArray, level: Estimate, tip_mm: float) -> Found | None:
+    """Read where the flange face, the first descent beyond the tip, takes a level."""
+    tip = int(np.argmin(np.abs(nodes[:, 1] - tip_mm)))
+    below = np.flatnonzero(nodes[tip:, 1] <= level.value)
+    if not len(below):
+        return None
+    after = tip + int(below[0])
+    before = max(after - 1, 0)
+    share = (nodes[before, 1] - level.value) / max(nodes[before, 1] - nodes[after, 1], 1e-9)
+    start = nodes[before] + np.clip(share, 0.0, 1.0) * (nodes[after] - nodes[before])
+    return curve.read(0, level, start)
+
+
+def _heights(
+    curve: Curve, nodes: FloatArray, back: Found, places_d_mm: FloatArray
+) -> list[tuple[float, Found]]:
+    read = ((float(d), _height_at(curve, nodes, back.estimate + d)) for d in places_d_mm)
+    return [(d, height) for d, height in read if height is not None]
+
+
+def _greatest_wear(
+    curve: Curve, nodes: FloatArray, back: Found, tip: Found, reference: ReferenceProfile
+) -> tuple[Found | None, float | None]:
+    heights = _heights(curve, nodes, back, _TREAD_D_MM)
+    if len(heights) < _MIN_TREAD_SHARE * len(_TREAD_D_MM):
+        return None, None
+    nominal = reference.nominal[Quantity.FLANGE_HEIGHT]
+    drops = [
+        (tip.estimate - height.estimate + (float(reference.height_mm(d - TAPE_D_MM)) - nominal), d)
+        for d, height in heights
+    ]
+    place = int(np.argmax([wear.value for wear, _ in drops]))
+    worst, at_d = drops[place]
+    return _combined(worst, tip, heights[place][1], back), at_d
+
+
+def _hollow(curve: Curve, nodes: FloatArray, back: Found) -> Found | None:
+    """Read how far the tread lies below the highest place on its field side."""
+    heights = _heights(curve, nodes, back, _HOLLOW_D_MM)
+    if len(heights) < _MIN_TREAD_SHARE * len(_HOLLOW_D_MM):
+        return None
+    level = np.array([height.estimate.value for _, height in heights])
+    lowest_so_far = np.minimum.accumulate(level)
+    high = int(np.argmax(level - lowest_so_far))
+    low = int(np.argmin(level[: high + 1]))
+    depth = heights[high][1].estimate - heights[low][1].estimate
+    return _combined(depth, heights[high][1], heights[low][1], back)

@@ -1,0 +1,60 @@
+"""Where the station keeps its files: one place that knows the names."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from station.errors import InputUnusable
+from station.store import sqlite_url
+
+
+@dataclass(frozen=True, slots=True)
+class DataLayout:
+    """The folder of the station's data and the names in it."""
+
+    root: Path
+
+    @property
+    def store_url(self) -> str:
+        """URL of the store."""
+        return sqlite_url(self.root / "station.sqlite")
+
+    @property
+    def jobs_url(self) -> str:
+        """URL of the durable jobs' own database: a reset of one never touches the other."""
+        return sqlite_url(self.root / "jobs.sqlite")
+
+    @property
+    def worker_lock(self) -> Path:
+        """The file that a working worker holds locked."""
+        return self.root / "worker.lock"
+
+    @property
+    def station_lock(self) -> Path:
+        """The file that a running station holds locked."""
+        return self.root / "station.lock"
+
+    def pass_recording(self, pass_id: str, sensor: str) -> Path:
+        """Return where a sensor records a pass, relative to the root."""
+        return Path("recordings", "passes", pass_id, f"{sensor}.mcap")
+
+    def session_recording(self, session_id: str, sensor: str) -> Path:
+        """Return where a sensor records a calibration session, relative to the root."""
+        return Path("recordings", "sessions", session_id, f"{sensor}.mcap")
+
+    def ensure(self) -> None:
+        """Make the folder where it is missing.
+
+        Raises
+        ------
+        InputUnusable
+            If it cannot be made or written.
+        """
+        try:
+            self.root.mkdir(parents=True, exist_ok=True)
+            (self.root / ".writable").touch()
+            (self.root / ".writable").unlink()
+        except OSError as error:
+            raise InputUnusable(
+                f"{self.root}: cannot be written ({error.strerror}); "
+                "give a data_dir that the station's user may write"
+            ) from error

@@ -1,0 +1,142 @@
+"""Finding rows by name and listing them page by page."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Generic, TypeVar
+
+from sqlalchemy import Select, func, select, tuple_
+from sqlalchemy.orm import Session
+
+from station.errors import NotFound
+from station.store.states import PASS, SESSION, PassState, SessionState
+from station.store.tables import (
+    Calibration,
+    CalibrationSession,
+    Job,
+    Measurement,
+    Pass,
+    Recording,
+    Table,
+)
+
+Row = TypeVar("Row", bound=Table)
+
+_KIND: dict[type[Table], str] = {
+    Pass: "pass",
+    Recording: "recording",
+    CalibrationSession: "calibration session",
+    Calibration: "calibration",
+    Job: "job",
+}
+
+
+def the(session: Session, table: type[Row], row_id: str) -> Row:
+    """Return the row of that id.
+
+    Raises
+    ------
+    NotFound
+        If there is none.
+    """
+    row = session.get(table, row_id)
+    if row is None:
+        raise NotFound(f"{_KIND[table]} {row_id!r}: the station knows no such one")
+    return row
+
+
+def pass_in_progress(session: Session) -> Pass | None:
+    """Return the pass that holds the sensors, if there is one."""
+    return session.scalar(
+        select(Pass).where(Pass.state.in_([PassState.ARMED, PassState.RECORDING])).limit(1)
+    )
+
+
+def session_in_progress(session: Session, sensor: str) -> CalibrationSession | None:
+    """Return the calibration session that holds a sensor, if there is one."""
+    return session.scalar(
+        select(CalibrationSession)
+        .where(CalibrationSession.sensor == sensor)
+        .where(CalibrationSession.state.in_(SESSION.unfinished))
+        .limit(1)
+    )
+
+
+def recordings_of(session: Session, owner: Pass | CalibrationSession) -> Sequence[Recording]:
+    """Return the recordings of a pass or a session, ordered by sensor."""
+    column = Recording.pass_id if isinstance(owner, Pass) else Recording.session_id
+    return session.scalars(
+        select(Recording).where(column == owner.id).order_by(Recording.sensor)
+    ).all()
+
+
+def wheels_of(session: Session, owner: Pass) -> Sequence[Measurement]:
+    """Return the wheels of a pass as measured with the calibrations it was recorded under."""
+    return session.scalars(
+        select(Measurement)
+        .join(Recording, Measurement.recording_id == Recording.id)
+        .where(Measurement.pass_id == owner.id)
+        .where(Measurement.calibration_id == Recording.calibration_id)
+        .order_by(Measurement.sensor, Measurement.id)
+    ).all()
+
+
+def unfinished_passes(session: Session) -> Sequence[Pass]:
+    """Return the passes that something is still to happen to, oldest first."""
+    return session.scalars(
+        select(Pass).where(Pass.state.in_(PASS.unfinished)).order_by(Pass.opened_at)
+    ).all()
+
+
+def open_sessions(session: Session) -> Sequence[CalibrationSession]:
+    """Return the calibration sessions not yet finished, oldest first."""
+    return session.scalars(
+        select(CalibrationSession)
+        .where(CalibrationSession.state.in_([SessionState.ARMED, SessionState.OPEN]))
+        .order_by(CalibrationSession.opened_at)
+    ).all()
+
+
+def counts_by_state(session: Session, table: type[Pass] | type[Job]) -> dict[str, int]:
+    """Return how many passes, or jobs, are in each state."""
+    rows = session.execute(select(table.state, func.count()).group_by(table.state))
+    return {state.value: count for state, count in rows}
+
+
+@dataclass(frozen=True, slots=True)
+class Page(Generic[Row]):
+    """Some rows of a list, and whether more follow."""
+
+    rows: Sequence[Row]
+    more: bool
+
+
+def _page(session: Session, query: Select[Row], limit: int) -> Page[Row]:
+    rows = session.scalars(query.limit(limit + 1)).all()
+    return Page(rows[:limit], more=len(rows) > limit)
+
+
+def recordings_page(
+    session: Session, *, limit: int, before: tuple[datetime, str] | None = None
+) -> Page[Recording]:
+    """Return recordings, the newest first, from those older than the key (opened_at, id)."""
+    key = tuple_(Recording.opened_at, Recording.id)
+    query = select(Recording).order_by(Recording.opened_at.desc(), Recording.id.desc())
+    return _page(session, query if before is None else query.where(key < before), limit)
+
+
+def measurements_page(
+    session: Session,
+    *,
+    limit: int,
+    after: int = 0,
+    pass_id: str | None = None,
+    sensor: str | None = None,
+) -> Page[Measurement]:
+    """Return measurements in the order they were made, from those behind the key `after`."""
+    query = select(Measurement).where(Measurement.id > after).order_by(Measurement.id)
+    if pass_id is not None:
+        query = query.where(Measurement.pass_id == pass_id)
+    if sensor is not None:
+        query = query.where(Measurement.sensor == sensor)
+    return _page(session, query, limit)

@@ -1,0 +1,1 @@
+"""The schema's steps, one a file, oldest first by name."""

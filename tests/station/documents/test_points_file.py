@@ -1,0 +1,125 @@
+"""points.csv tells every point as it was, and refuses in one line what could mislead a solve."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+
+from calib import (
+    Calibration,
+    CameraModel,
+    CameraRole,
+    Cause,
+    LaserSensor,
+    LightPlane,
+    Method,
+    RigidTransform,
+    SolvedPoints,
+    SolvedView,
+    SolveReport,
+    StripePoints,
+    Target,
+    TargetPoints,
+    Termination,
+    View,
+)
+from station.documents import POINT_COLUMNS, points_csv, views_from_points
+from station.errors import InputUnusable
+
+TARGET = Target.parse("dots:7x8:12")
+
+
+@pytest.fixture
+def view(rng):
+    row, col = np.divmod(np.arange(56), 8)
+    angle = 0.7
+    along = rng.uniform(-300, 300, 40)
+    return View(
+        'pose, "one".png',
+        TargetPoints(
+            row=row,
+            col=col,
+            centre_px=rng.uniform(0, 1000, (56, 2)),
+            sigma_px=rng.uniform(0.02, 0.2, (56, 2)),
+            cause=(Cause.GLARE, *[Cause.NONE] * 55),
+        ),
+        StripePoints(
+            centre_px=[500, 500] + np.outer(along, [np.cos(angle), np.sin(angle)]),
+            normal=np.tile([-np.sin(angle), np.cos(angle)], (40, 1)),
+            sigma_px=rng.uniform(0.02, 0.2, 40),
+            width_px=np.full(40, 2.0),
+            peak=np.full(40, 100.0),
+            saturated=np.zeros(40, dtype=bool),
+            cause=(Cause.NONE,) * 40,
+        ),
+    )
+
+
+@pytest.fixture
+def calibration(view):
+    camera = CameraModel.from_parameters(
+        np.array([1000.0, 1000, 500, 500, 0, 0, 0, 0, 0]), width=1000, height=1000
+    )
+    solved = SolvedView(
+        view.name,
+        RigidTransform.identity(),
+        SolvedPoints(view.points.centre_px + 1.0, np.arange(56) > 0, view.points.cause),
+        SolvedPoints(view.stripe.centre_px - 1.0, np.ones(40, dtype=bool), view.stripe.cause),
+    )
+    report = SolveReport(Termination.CONVERGED, 1, 0.0, 1.0, 1.0, 0.0, 0.0, CameraRole.HELD)
+    sensor = LaserSensor.exact(camera, LightPlane.from_coefficients([0, 0, 1, -500]))
+    return Calibration(sensor, Method.JOINT, 0.1, 0.1, (solved,), report, ())
+
+
+def test_points_come_back_as_they_were_written(view, calibration):
+    (back,) = views_from_points(points_csv([view], calibration), TARGET, name="points.csv")
+    # Six decimals are written.
+    np.testing.assert_array_equal(back.points.row, view.points.row)
+    np.testing.assert_allclose(back.points.centre_px, view.points.centre_px, atol=6e-7)
+    np.testing.assert_allclose(back.points.sigma_px, view.points.sigma_px, atol=6e-7)
+    np.testing.assert_allclose(back.stripe.centre_px, view.stripe.centre_px, atol=6e-7)
+    np.testing.assert_allclose(back.stripe.sigma_px, view.stripe.sigma_px, atol=2e-6)
+    across = np.abs(np.einsum("ni,ni->n", back.stripe.normal, view.stripe.normal))
+    np.testing.assert_allclose(across, 1.0, atol=1e-9)
+
+
+def test_rows_tell_correction_use_and_reason(view, calibration):
+    rows = list(csv.DictReader(io.StringIO(points_csv([view], calibration))))
+    assert tuple(rows[0]) == POINT_COLUMNS
+    assert (rows[0]["used"], rows[0]["reason"]) == ("0", "glare")
+    assert float(rows[1]["u_corrected"]) - float(rows[1]["u"]) == pytest.approx(1.0, abs=2e-6)
+    assert {row["kind"] for row in rows} == {"dot", "stripe"}
+
+
+def test_view_left_out_has_its_reason_in_every_row(view, calibration):
+    left_out = SolvedView(view.name, None, None, None, left_out="too few dots")
+    answer = Calibration(
+        calibration.sensor, Method.JOINT, 0.1, 0.1, (left_out,), calibration.solve, ()
+    )
+    rows = list(csv.DictReader(io.StringIO(points_csv([view], answer))))
+    assert {(row["used"], row["reason"]) for row in rows} == {("0", "too few dots")}
+
+
+HEADER = "image,kind,row,col,u,v,sigma_u,sigma_v\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "no column image"),
+        ("image,kind,row\n", "no column col, u, v"),
+        (HEADER, "no points"),
+        (HEADER + "a,dot,0,0,nan,1,1,1\n", "line 2: .* not finite"),
+        (HEADER + "a,dot,0,0,x,1,1,1\n", "line 2: .* not a number"),
+        (HEADER + "a,dot,0,0,1\n", "line 2: .* not a number"),
+        (HEADER + "a,blob,0,0,1,1,1,1\n", "kind 'blob'; allowed: dot, stripe"),
+        (HEADER + "a,dot,0,0,1,1,0,0\n", "sigma 0.0, 0.0; allowed: positive"),
+        (HEADER + "a,dot,7,0,1,1,1,1\n", "row 7, col 0; allowed"),
+        (HEADER + "a,dot,0,0,1,1,1,1\n" * 2, "line 3: .* line 2 already"),
+        (HEADER + "a,stripe,,,1,1,1,1\n", "1 stripe points in a"),
+    ],
+)
+def test_file_that_could_mislead_is_refused_with_its_line(text, said):
+    with pytest.raises(InputUnusable, match=said):
+        views_from_points(text, TARGET, name="points.csv")
