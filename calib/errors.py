@@ -4,6 +4,7 @@ CalibError
 ├── TargetSpecInvalid      a TARGET text that does not parse
 ├── TargetNotFound         a picture in which the target is not seen
 ├── StripeNotFound         a picture in which no laser stripe is seen
+├── CameraMismatch         a camera of another picture size than the pictures
 ├── TooFewViews            not enough usable pictures for what is asked
 ├── Degenerate             pictures from which the answer cannot be told apart from others
 └── NotConverged           a solve that ended without an answer
@@ -26,6 +27,10 @@ class TargetNotFound(CalibError):
 
 class StripeNotFound(CalibError):
     """No laser stripe is seen in a picture."""
+
+
+class CameraMismatch(CalibError):
+    """The camera given is of another picture size than the pictures."""
 
 
 class TooFewViews(CalibError):

@@ -53,9 +53,7 @@ def fit_homography(board_mm: FloatArray, picture: FloatArray) -> FloatArray:
     return np.asarray(homography * np.sign(depth) / np.linalg.norm(homography))
 
 
-def fit_homography_robustly(
-    board_mm: FloatArray, picture: FloatArray, sigma: float
-) -> FloatArray:
+def fit_homography_robustly(board_mm: FloatArray, picture: FloatArray, sigma: float) -> FloatArray:
     """Fit like `fit_homography` where up to a half of the points may be false.
 
     Where the fit to all points leaves more than `sigma` explains, the map of four points with the
@@ -121,7 +119,7 @@ def pose_from_homography(homography: FloatArray) -> RigidTransform:
 
 def apply_homography(homography: FloatArray, points: FloatArray) -> FloatArray:
     """Map points, shape (N, 2), by a homography."""
-    mapped = points @ homography[:, :2].T + homography[:, 2]
+    mapped: FloatArray = points @ homography[:, :2].T + homography[:, 2]
     return np.asarray(mapped[:, :2] / mapped[:, 2:])
 
 
@@ -138,7 +136,7 @@ def _centring(points: FloatArray) -> FloatArray:
 
 
 def _apply_affine(affine: FloatArray, points: FloatArray) -> FloatArray:
-    return points @ affine[:2, :2].T + affine[:2, 2]
+    return np.asarray(points @ affine[:2, :2].T + affine[:2, 2])
 
 
 def _design(board: FloatArray, picture: FloatArray) -> FloatArray:
@@ -155,7 +153,7 @@ def _through_four(board: FloatArray, picture: FloatArray) -> FloatArray:
     design = _design(board, picture)
     # The last entry is 1: centred points are never mapped to infinity by a sensible view.
     entries = np.linalg.solve(design[:, :, :8], -design[:, :, 8:])[:, :, 0]
-    return np.asarray(np.column_stack([entries, np.ones(len(entries))]).reshape(-1, 3, 3))
+    return np.column_stack([entries, np.ones(len(entries))]).reshape(-1, 3, 3)
 
 
 def _spread(quads: FloatArray) -> BoolArray:
@@ -178,5 +176,5 @@ def _misses(maps: FloatArray, board: FloatArray, picture: FloatArray) -> FloatAr
     ones = np.column_stack([board, np.ones(len(board))])
     mapped = ones @ maps.transpose(0, 2, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        miss = np.linalg.norm(mapped[..., :2] / mapped[..., 2:] - picture, axis=2)
+        miss: FloatArray = np.linalg.norm(mapped[..., :2] / mapped[..., 2:] - picture, axis=2)
     return np.nan_to_num(miss, nan=np.inf)

@@ -45,12 +45,15 @@ class StripeTable:
         Shape (N, 2), observed, and the unit direction across the stripe.
     sigma_px
         Shape (N,), standard deviation along `normal`.
+    along_px
+        Shape (N,), place along the stripe of its view.
     """
 
     view: IntArray
     seen_px: FloatArray
     normal: FloatArray
     sigma_px: FloatArray
+    along_px: FloatArray
 
     def __len__(self) -> int:
         return len(self.view)
@@ -90,6 +93,7 @@ class Observations:
             seen_px=_stack([part.centre_px for part in stripes], 2),
             normal=_stack([part.normal for part in stripes], 2),
             sigma_px=np.concatenate([np.empty(0), *(part.sigma_px for part in stripes)]),
+            along_px=np.concatenate([np.empty(0), *(_along(part) for part in stripes)]),
         )
         radius = target.diameter_mm / 2.0 if target.diameter_mm and target.kind == "dots" else 0.0
         return cls(len(views), dots, stripe, radius)
@@ -108,6 +112,14 @@ _EMPTY = StripePoints(
 
 def _index(lengths: Sequence[int]) -> IntArray:
     return np.repeat(np.arange(len(lengths)), lengths)
+
+
+def _along(stripe: StripePoints) -> FloatArray:
+    """Return places along the main direction of the points, shape (N,)."""
+    if len(stripe) < 2:
+        return np.zeros(len(stripe))
+    centred = stripe.centre_px - stripe.centre_px.mean(axis=0)
+    return np.asarray(centred @ np.linalg.svd(centred, full_matrices=False)[2][0])
 
 
 def _stack(parts: Sequence[FloatArray], width: int) -> FloatArray:

@@ -1,20 +1,11 @@
 """Sub-pixel location of the laser stripe, by Steger's method, with its uncertainty."""
 
-from dataclasses import dataclass
-
-import cv2
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import PixelNoise
-from calib.ridge import (
-    Ridge,
-    inside,
-    kernel_radius,
-    ridge_at_shift,
-    ridge_in_windows,
-    windows_at,
-)
+from calib.ridge import inside, kernel_radius, ridge_at_shift, windows_at
+from calib.stripe_order import running_mean
 from calib.stripe_profile import Profiles, fit_profiles, sample_across
 from calib.stripe_seeds import SHRINK, StripeSeeds, find_seeds
 from calib.views import Cause, StripePoints
@@ -23,11 +14,11 @@ KERNELS_PX = (1.5, 2.1, 3.0, 4.2, 6.0)
 """Widths of kernel; a point takes the one nearest to the width of its stripe."""
 
 _SCALES_IF_CLIPPED = (0.75, 1.33)
-_MOVES = 3
-_HALF_PIXEL = 0.62
+_CLOSE_STEP_PX = 0.2
 _PROFILE_REACH = 18
+_SLOPE_HALF_WINDOW = 6
 _WORST_MISFIT = 0.25
-_STEEPEST_GROUND = 0.35
+_STEEPEST_GROUND = 1.0
 
 
 def locate_stripe(
@@ -101,6 +92,162 @@ def locate_stripe(
     seeds = find_seeds(
         picture, noise, region=region, min_height=min_height, min_length_px=min_length_px
     )
-    ridge = _RidgePoints.at(picture, seeds)
-    points = ridge.points(picture, noise)
-    return points.select(_worth_keeping(points, min_height) )
+    place, normal = seeds.place_px.reshape(-1, 2), np.repeat(seeds.normal, SHRINK, axis=0)
+    samples = sample_across(picture, place, normal, _PROFILE_REACH)
+    fits = fit_profiles(samples.reshape(-1, SHRINK, samples.shape[1]).mean(axis=1))
+    trusted = np.flatnonzero(_is_stripe(fits, noise, min_height))
+    member = (trusted[:, None] * SHRINK + np.arange(SHRINK)).ravel()
+    profiles = fits.picked(np.repeat(trusted, SHRINK))
+    start = place[member] + profiles.centre_px[:, None] * normal[member]
+    slope = np.repeat(_ground_slope(fits, seeds, trusted), SHRINK, axis=0)
+    points = _settled(picture, noise, start, slope, profiles)
+    return points.select(_one_a_pixel(points))
+
+
+def _ground_slope(fits: Profiles, seeds: StripeSeeds, trusted: IntArray) -> FloatArray:
+    """Return the gradient of the ground, shape (T, 2), smoothed along the stripe.
+
+    A profile alone tells it so poorly that taking it off would add noise to the centres.
+    """
+    return running_mean(
+        fits.slope[trusted, None] * seeds.normal[trusted],
+        seeds.place_px[trusted].mean(axis=1),
+        half_window=_SLOPE_HALF_WINDOW,
+        gap_px=3.0 * SHRINK,
+    )
+
+
+def _kernel_wanted(profiles: Profiles) -> FloatArray:
+    """Return the width of kernel that suits each profile.
+
+    That of the profile; on a flat, clipped top of half-width h Steger's condition asks for
+    at least h / sqrt(3), and noise for a little more.
+    """
+    over = np.maximum(profiles.height / np.maximum(250.0 - profiles.ground, 10.0), 1.0)
+    half_top = profiles.width_px * np.sqrt(2.0 * np.log(over))
+    return np.maximum(profiles.width_px, 0.75 * half_top)
+
+
+def _is_stripe(fits: Profiles, noise: PixelNoise, min_height: float) -> BoolArray:
+    """Return which profiles are a bright line on both sides of which it is dark."""
+    grain = np.sqrt(noise.variance(fits.ground + fits.height))
+    return np.asarray(
+        (fits.height >= min_height)
+        & (fits.misfit <= _WORST_MISFIT * np.minimum(fits.height, 255.0) + grain)
+        & (np.abs(fits.slope) * 6.0 * fits.width_px <= _STEEPEST_GROUND * fits.height)
+    )
+
+
+def _settled(
+    picture: Picture,
+    noise: PixelNoise,
+    start: FloatArray,
+    slope: FloatArray,
+    profiles: Profiles,
+) -> StripePoints:
+    """Go from near the ridge to its top, each point with the kernel of its width."""
+    ratio = _kernel_wanted(profiles)[:, None] / np.array(KERNELS_PX)
+    choice = np.abs(np.log(ratio)).argmin(axis=1)
+    centre, across = np.empty_like(start), np.empty_like(start)
+    sigma = np.full(len(start), np.inf)
+    for k in np.unique(choice):
+        index, kernel = np.flatnonzero(choice == k), KERNELS_PX[k]
+        centre[index], across[index], curvature = _tops(picture, start[index], slope[index], kernel)
+        index, curvature = index[curvature < 0.0], curvature[curvature < 0.0]
+        one = profiles.picked(index)
+        sigma[index] = sigma_by_eq9(one, noise, kernel)
+        clipped = index[one.saturated]
+        spread = _spread_over_scales(
+            picture, centre[clipped], across[clipped], slope[clipped], kernel
+        )
+        plain = _sigma_by_curvature(one, noise, kernel, curvature)[one.saturated]
+        sigma[clipped] = np.maximum(spread, plain)
+    keep = np.flatnonzero(np.isfinite(sigma))
+    kept = profiles.picked(keep)
+    return StripePoints(
+        centre_px=centre[keep],
+        normal=across[keep],
+        sigma_px=sigma[keep],
+        width_px=kept.width_px,
+        peak=kept.height,
+        saturated=kept.saturated,
+        cause=tuple(Cause.SATURATED if s else Cause.NONE for s in kept.saturated),
+    )
+
+
+def _tops(
+    picture: Picture, start: FloatArray, slope: FloatArray, kernel: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the ridge's top near each start, the normal and the curvature across it there.
+
+    `slope` is the gradient of the ground, shape (N, 2). Curvature 0 tells that there is no top.
+    """
+    place, normal = start.copy(), np.zeros_like(start)
+    curvature = np.zeros(len(start))
+    todo = np.arange(len(start))
+    for _ in range(3):
+        pixel = np.rint(place[todo]).astype(np.int64)
+        todo, pixel = _clear_of_border(picture, todo, pixel, kernel_radius(kernel))
+        ridge = ridge_at_shift(
+            windows_at(picture, pixel, kernel_radius(kernel)), place[todo] - pixel, kernel
+        )
+        ground = (slope[todo] * ridge.normal).sum(axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = -(ridge.gradient - ground) / ridge.curvature
+        good = (ridge.curvature < 0.0) & (np.abs(step) < 2.0 * kernel)
+        todo, step, across = todo[good], step[good], ridge.normal[good]
+        place[todo] += step[:, None] * across
+        normal[todo] = across
+        close = np.abs(step) <= _CLOSE_STEP_PX
+        curvature[todo[close]] = ridge.curvature[good][close]
+        todo = todo[~close]
+        if todo.size == 0:
+            break
+    return place, normal, curvature
+
+
+def _clear_of_border(
+    picture: Picture, todo: IntArray, pixel: IntArray, radius: int
+) -> tuple[IntArray, IntArray]:
+    clear = inside(picture.shape, pixel, radius)
+    return todo[clear], pixel[clear]
+
+
+def sigma_by_eq9(profiles: Profiles, noise: PixelNoise, kernel: float) -> FloatArray:
+    """Return the standard deviation of a centre along its normal, shape (N,), px.
+
+    The noise is that of the brightness which the kernel weighs: at the flanks.
+    """
+    w2, g2 = profiles.width_px**2, kernel**2
+    height = np.minimum(profiles.height, 255.0)
+    flank = profiles.ground + height * (1.0 + 0.5 * g2 / w2) ** -1.5
+    variance = (w2 + g2) ** 3 / (8.0 * np.pi * g2**2 * w2)
+    return np.asarray(np.sqrt(variance * noise.variance(flank)) / height)
+
+
+def _sigma_by_curvature(
+    profiles: Profiles, noise: PixelNoise, kernel: float, curvature: FloatArray
+) -> FloatArray:
+    """Return the same for a clipped stripe: Eq. 7 with the curvature that is really there."""
+    ground = np.minimum(profiles.ground, 255.0)
+    variance = noise.variance(0.5 * (ground + 255.0)) / (8.0 * np.pi * kernel**4)
+    return np.asarray(np.sqrt(variance) / np.abs(curvature))
+
+
+def _spread_over_scales(
+    picture: Picture, centre: FloatArray, normal: FloatArray, slope: FloatArray, kernel: float
+) -> FloatArray:
+    """Return how far the top moves along the normal, rms, as the kernel grows and shrinks."""
+    offsets = [np.zeros(len(centre))]
+    for scale in _SCALES_IF_CLIPPED:
+        place, _, curvature = _tops(picture, centre, slope, scale * kernel)
+        moved = ((place - centre) * normal).sum(axis=1)
+        offsets.append(np.where(curvature < 0.0, moved, kernel))
+    return np.asarray(np.std(offsets, axis=0))
+
+
+def _one_a_pixel(points: StripePoints) -> IntArray:
+    """Return the index of one point for every pixel that holds some."""
+    pixel = np.rint(points.centre_px).astype(np.int64)
+    key = (pixel[:, 1] << 32) + pixel[:, 0]
+    return np.asarray(np.unique(key, return_index=True)[1], dtype=np.int64)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from calib.arrays import BoolArray, FloatArray, Picture
+from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import SATURATED_FROM
 from calib.ridge import Float32Array
 
@@ -41,8 +41,8 @@ class Profiles:
     misfit: FloatArray
     saturated: BoolArray
 
-    def repeat(self, index: FloatArray) -> "Profiles":
-        """Return the fits that belong to each entry of an index array."""
+    def picked(self, index: IntArray) -> "Profiles":
+        """Return the fits an index array picks."""
         return Profiles(*(getattr(self, name)[index] for name in self.__slots__))
 
 
@@ -92,15 +92,17 @@ def fit_profiles(samples: Float32Array) -> Profiles:
     weight = _window(c, parameters[:, 2])
     clipped = samples >= SATURATED_FROM
     any_clipped = clipped.any(axis=1)
-    parameters[any_clipped, 0] *= 1.3
     for _ in range(_ITERATIONS):
         parameters = _stepped(parameters, samples, weight, clipped, c)
     if any_clipped.any():
         # The height of a clipped stripe is known by its flanks alone: it takes more steps.
         for _ in range(_MORE_IF_CLIPPED):
             parameters[any_clipped] = _stepped(
-                parameters[any_clipped], samples[any_clipped], weight[any_clipped],
-                clipped[any_clipped], c,
+                parameters[any_clipped],
+                samples[any_clipped],
+                weight[any_clipped],
+                clipped[any_clipped],
+                c,
             )
     model, _ = _model(parameters, c)
     left = (samples - np.where(clipped, np.minimum(model, samples), model)) * weight
@@ -125,17 +127,41 @@ def _first_guess(samples: Float32Array) -> Float32Array:
     row = np.arange(len(samples))
     peak = samples[:, reach - 1 : reach + 2].mean(axis=1)
     low = samples.min(axis=1)
-    above = samples > (0.5 * (peak + low))[:, None]
-    right = np.cumprod(above[:, reach:], axis=1).sum(axis=1)
-    left = np.cumprod(above[:, reach::-1], axis=1).sum(axis=1)
-    width = np.clip((left + right - 1) / 2.355, 1.0, 0.4 * reach)
+    left, right = _run(samples, low + 0.5 * (peak - low))
+    width = np.clip((left + right - 1.0) / 2.355, 1.0, 0.4 * reach)
     centre = np.clip(0.5 * (right - left), -0.3 * reach, 0.3 * reach)
     foot = np.minimum(np.rint(3.0 * width + 1.0), reach).astype(np.intp)
     start, end = samples[row, reach - foot], samples[row, reach + foot]
     slope = (end - start) / (2.0 * foot)
     ground = 0.5 * (start + end)
     height = np.maximum(peak - ground, 1.0)
-    return np.column_stack([height, centre, width, ground, slope]).astype(np.float32)
+    guess = np.column_stack([height, centre, width, ground, slope])
+    clipped = peak >= SATURATED_FROM
+    guess[clipped] = _first_guess_clipped(samples[clipped], guess[clipped])
+    return guess.astype(np.float32)
+
+
+def _run(samples: Float32Array, level: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return how many samples to the left and right of the middle stay above a level."""
+    reach = samples.shape[1] // 2
+    above = samples > level[:, None]
+    left = np.cumprod(above[:, reach::-1], axis=1).sum(axis=1)
+    return left, np.cumprod(above[:, reach:], axis=1).sum(axis=1)
+
+
+def _first_guess_clipped(samples: Float32Array, guess: FloatArray) -> FloatArray:
+    """Width and height of a clipped bell from its half-widths at two levels below the limit.
+
+    A bell is x wide where it is exp(-x² / 2w²) of its height.
+    """
+    ground = samples.min(axis=1)
+    low, high = (ground + share * (255.0 - ground) for share in (0.2, 0.85))
+    outer, inner = (0.5 * (np.add(*_run(samples, level)) - 1.0) for level in (low, high))
+    square = (outer**2 - inner**2) / (2.0 * np.log(0.85 / 0.2))
+    width = np.sqrt(np.clip(square, 1.0, (0.4 * samples.shape[1]) ** 2))
+    height = 0.85 * (255.0 - ground) * np.exp(np.minimum(0.5 * (inner / width) ** 2, 3.0))
+    zero = np.zeros(len(samples))
+    return np.column_stack([height, guess[:, 1], width, ground, zero])
 
 
 def _stepped(
@@ -158,9 +184,7 @@ def _stepped(
     return _bounded(parameters + step.astype(np.float32), parameters, samples.shape[1] // 2)
 
 
-def _model(
-    parameters: Float32Array, c: Float32Array
-) -> tuple[Float32Array, Float32Array]:
+def _model(parameters: Float32Array, c: Float32Array) -> tuple[Float32Array, Float32Array]:
     """Return the model, shape (N, K), and its derivatives, shape (N, 5, K)."""
     height, centre, width, ground, slope = (p[:, None] for p in parameters.T)
     x = (c - centre) / width

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import PixelNoise
 from calib.ridge import Float32Array, Ridge, gaussian_rows
+from calib.stripe_order import order_along
 
 SHRINK = 4
 """A stripe 1.5 to 8 px wide becomes one of 0.4 to 2, and its noise falls to a quarter."""
@@ -30,6 +31,8 @@ class StripeSeeds:
         Shape (G, SHRINK, 2), in the full picture, about a pixel apart.
     normal
         Shape (G, 2).
+
+    Groups are sorted: ridge by ridge, along the longer side of each.
     """
 
     place_px: FloatArray
@@ -83,7 +86,7 @@ def find_seeds(
         pixel = np.rint(SHRINK * found.place + 0.5 * (SHRINK - 1)).astype(np.int64)
         pixel = np.clip(pixel, 0, np.array(region.shape)[::-1] - 1)
         found = _picked(found, region[pixel[:, 1], pixel[:, 0]])
-    return _spread(_picked(found, _long_and_strong(found, small.shape, min_length_px / SHRINK)))
+    return _spread(_chained(found, small.shape, min_length_px / SHRINK))
 
 
 def _coarse_ridges(small: Float32Array, deviation: float, min_height: float) -> _CoarsePoints:
@@ -133,7 +136,7 @@ def _joined(one: _CoarsePoints, other: _CoarsePoints) -> _CoarsePoints:
     )
 
 
-def _picked(points: _CoarsePoints, keep: BoolArray) -> _CoarsePoints:
+def _picked(points: _CoarsePoints, keep: BoolArray | IntArray) -> _CoarsePoints:
     return _CoarsePoints(points.place[keep], points.normal[keep], points.strength[keep])
 
 
@@ -157,20 +160,18 @@ def _mask(points: _CoarsePoints, shape: tuple[int, ...]) -> NDArray[np.uint8]:
     return mask
 
 
-def _long_and_strong(
-    points: _CoarsePoints, shape: tuple[int, ...], min_length: float
-) -> BoolArray:
-    """Return which points belong to a connected ridge that is long and strong enough."""
+def _chained(points: _CoarsePoints, shape: tuple[int, ...], min_length: float) -> _CoarsePoints:
+    """Keep the connected ridges that are long and strong enough, each sorted along itself."""
     # Speckle tears a ridge; a gap of one pixel is bridged.
     mask = cv2.dilate(_mask(points, shape), np.ones((3, 3), dtype=np.uint8))
     _, labels, boxes, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     pixel = _pixels(points.place, shape)
-    label = labels[pixel[:, 1], pixel[:, 0]]
+    chain = labels[pixel[:, 1], pixel[:, 0]].astype(np.int64)
     reach = np.maximum(boxes[:, cv2.CC_STAT_WIDTH], boxes[:, cv2.CC_STAT_HEIGHT]) - 2
     strongest = np.zeros(len(boxes))
-    np.maximum.at(strongest, label, points.strength)
-    good = (reach >= min_length) & (strongest >= _STRONG_SIGMAS)
-    return np.asarray(good[label])
+    np.maximum.at(strongest, chain, points.strength)
+    good = np.flatnonzero(((reach >= min_length) & (strongest >= _STRONG_SIGMAS))[chain])
+    return _picked(points, good[order_along(points.place[good], chain[good])])
 
 
 def _spread(points: _CoarsePoints) -> StripeSeeds:

@@ -67,7 +67,9 @@ class Curve:
         half_window = self.window_mm * scale
         wide = LocalFit.around(self.points_mm, weight, place_mm, half_window)
         narrow = LocalFit.around(self.points_mm, weight, place_mm, half_window / 2.0)
-        if wide is None or narrow is None:
+        if wide is None:  # Points are sparse here: a wider window finds enough of them.
+            return LocalFit.around(self.points_mm, weight, place_mm, 2.0 * half_window)
+        if narrow is None:
             return wide
         middle = narrow.point(0.0)
         gap = abs(wide.distance_mm(middle))
@@ -105,23 +107,26 @@ class Curve:
                 break
         read = fit.read(axis, s)
         moved = Estimate(read.value, read.gradient + fit.slope(axis, s) * level.gradient)
-        return Found(moved, _status(fit, s))
+        return Found(moved, Status.OK if fit.covers(s) else Status.EXTRAPOLATED)
 
-    def crest(self, place_mm: FloatArray) -> tuple[Found, float] | None:
-        """Read the greatest r near a place, and the a where it is; None where there is no crest."""
+    def crest(self, place_mm: FloatArray) -> Found | None:
+        """Read the greatest r near a place; None where there is no crest between the points."""
+        for scale in (1.0, 2.0):
+            found = self._crest(place_mm, scale)
+            if found is not None:
+                return found
+        return None
+
+    def _crest(self, place_mm: FloatArray, scale: float) -> Found | None:
         for _ in range(_REFITS):
-            fit = self.fit(place_mm)
+            fit = self.fit(place_mm, scale)
             s = fit.crest() if fit is not None else None
-            if fit is None or s is None or fit.beyond_mm(s) > 0.0:
+            if fit is None or s is None or not fit.covers(s):
                 return None
             place_mm = fit.point(s)
             if abs(s) < 0.2 * self.window_mm:
                 break
-        return Found(fit.read(1, s), Status.OK), float(place_mm[0])
-
-
-def _status(fit: LocalFit, s: float) -> Status:
-    return Status.OK if fit.covers(s) else Status.EXTRAPOLATED
+        return Found(fit.read(1, s), Status.OK)
 
 
 def _bin_means(

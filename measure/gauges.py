@@ -15,10 +15,11 @@ TAPE_D_MM = 70.0
 """Distance of the tape circle from the flange back."""
 _TIP_D_MM = (4.0, 40.0)
 _TREAD_WINDOW = 1.5
-# The running tread, clear of the throat and of the chamfer; every other millimetre is looked at.
-_TREAD_D_MM = np.arange(56.0, 118.1, 2.0)
-_HOLLOW_D_MM = np.arange(56.0, 126.1, 2.0)
+# The running tread, clear of the throat and of the chamfer.
+_TREAD_D_MM = (56.0, 118.0)
+_HOLLOW_D_MM = (56.0, 126.0)
 _MIN_TREAD_SHARE = 0.7
+_TREAD_SMOOTHING_MM = 2.5
 
 _ORDER = (Status.OK, Status.EXTRAPOLATED, Status.REFERENCE_ASSUMED, Status.MISSING)
 
@@ -64,7 +65,7 @@ def gauge(curve: Curve, back: Found, reference: ReferenceProfile) -> Gauged | No
     crest = curve.crest(_highest(nodes, back.estimate.value))
     if crest is None:
         return None
-    tip, _ = crest
+    tip = crest
     readings = _flange_readings(curve, nodes, back, tip)
     if Quantity.FLANGE_HEIGHT in readings:
         height = readings[Quantity.FLANGE_HEIGHT]
@@ -137,37 +138,55 @@ def _face_at(curve: Curve, nodes: FloatArray, level: Estimate, tip_mm: float) ->
     return curve.read(0, level, start)
 
 
-def _heights(
-    curve: Curve, nodes: FloatArray, back: Found, places_d_mm: FloatArray
-) -> list[tuple[float, Found]]:
-    read = ((float(d), _height_at(curve, nodes, back.estimate + d)) for d in places_d_mm)
-    return [(d, height) for d, height in read if height is not None]
-
-
 def _greatest_wear(
     curve: Curve, nodes: FloatArray, back: Found, tip: Found, reference: ReferenceProfile
 ) -> tuple[Found | None, float | None]:
-    heights = _heights(curve, nodes, back, _TREAD_D_MM)
-    if len(heights) < _MIN_TREAD_SHARE * len(_TREAD_D_MM):
+    """Read the wear where the smoothed tread lies deepest below the reference."""
+    tread = _tread(nodes, back, _TREAD_D_MM)
+    if tread is None:
+        return None, None
+    d, r = tread
+    at_d = float(d[np.argmax(reference.height_mm(d - TAPE_D_MM) - r)])
+    height = _height_at(curve, nodes, back.estimate + at_d)
+    if height is None:
         return None, None
     nominal = reference.nominal[Quantity.FLANGE_HEIGHT]
-    drops = [
-        (tip.estimate - height.estimate + (float(reference.height_mm(d - TAPE_D_MM)) - nominal), d)
-        for d, height in heights
-    ]
-    place = int(np.argmax([wear.value for wear, _ in drops]))
-    worst, at_d = drops[place]
-    return _combined(worst, tip, heights[place][1], back), at_d
+    drop = tip.estimate - height.estimate
+    wear = drop + (float(reference.height_mm(at_d - TAPE_D_MM)) - nominal)
+    return _combined(wear, tip, height, back), at_d
 
 
 def _hollow(curve: Curve, nodes: FloatArray, back: Found) -> Found | None:
     """Read how far the tread lies below the highest place on its field side."""
-    heights = _heights(curve, nodes, back, _HOLLOW_D_MM)
-    if len(heights) < _MIN_TREAD_SHARE * len(_HOLLOW_D_MM):
+    tread = _tread(nodes, back, _HOLLOW_D_MM)
+    if tread is None:
         return None
-    level = np.array([height.estimate.value for _, height in heights])
-    lowest_so_far = np.minimum.accumulate(level)
-    high = int(np.argmax(level - lowest_so_far))
-    low = int(np.argmin(level[: high + 1]))
-    depth = heights[high][1].estimate - heights[low][1].estimate
-    return _combined(depth, heights[high][1], heights[low][1], back)
+    d, r = tread
+    high = int(np.argmax(r - np.minimum.accumulate(r)))
+    low = int(np.argmin(r[: high + 1]))
+    if high == low:  # It falls all the way to the field side, as a new one does.
+        return Found(Estimate.exact(0.0, len(curve)), back.status)
+    top = _height_at(curve, nodes, back.estimate + float(d[high]))
+    bottom = _height_at(curve, nodes, back.estimate + float(d[low]))
+    if top is None or bottom is None:
+        return None
+    depth = top.estimate - bottom.estimate
+    if not depth.value > 0.0:
+        depth = Estimate(0.0, depth.gradient)
+    return _combined(depth, top, bottom, back)
+
+
+def _tread(
+    nodes: FloatArray, back: Found, span_d_mm: tuple[float, float]
+) -> tuple[FloatArray, FloatArray] | None:
+    """Return d and r of the tread, smoothed, every millimetre of a span; None if too much hides."""
+    d_nodes = nodes[:, 0] - back.estimate.value
+    on_tread = (d_nodes > TAPE_D_MM - 20.0) & (nodes[:, 1] < nodes[:, 1].max() - 14.0)
+    d_seen, r_seen = d_nodes[on_tread], nodes[on_tread, 1]
+    d = np.arange(span_d_mm[0], span_d_mm[1] + 0.5)
+    near = np.abs(d[:, None] - d_seen)
+    share = near <= _TREAD_SMOOTHING_MM
+    seen = share.sum(axis=1) >= 3
+    if not seen.mean() >= _MIN_TREAD_SHARE:
+        return None
+    return d[seen], (share[seen] @ r_seen) / share[seen].sum(axis=1)

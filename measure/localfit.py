@@ -14,12 +14,6 @@ _MIN_POINTS = 6
 class LocalFit:
     r"""Weighted parabola through the points of a window.
 
-    Notes
-    -----
-    With s along the tangent and f(s) along the normal, a circle of radius R leaves a quartic rest
-    of s⁴ / 8R³, of which a window of half-width w makes a bias of 3 w⁴ / (280 R³) at its middle:
-    0.5 µm for w = 3, R = 12 mm.
-
     Attributes
     ----------
     index
@@ -32,6 +26,12 @@ class LocalFit:
         Shape (3, K): coefficients = solver @ f of the points.
     along_mm
         Shape (K,), s of the points.
+
+    Notes
+    -----
+    With s along the tangent and f(s) along the normal, a circle of radius R leaves a quartic rest
+    of s⁴ / 8R³, of which a window of half-width w makes a bias of 3 w⁴ / (280 R³) at its middle:
+    0.5 µm for w = 3, R = 12 mm.
     """
 
     index: IntArray

@@ -67,7 +67,7 @@ def ellipse_centre_jacobians(
 def lens_shifts(
     centres_in_cam_mm: FloatArray, axes: FloatArray, radius_mm: float, camera: FloatArray
 ) -> FloatArray:
-    """Return by how much the lens moves the centroids of ellipses off the pictures of their centres.
+    """Return how far the lens moves the centroids of ellipses off their centres' pictures.
 
     Parameters
     ----------

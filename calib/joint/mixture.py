@@ -10,11 +10,11 @@ Far from the answer the residuals are misfit, not noise. There the weights are H
 scale from the median, which no start can lock out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.arrays import BoolArray, FloatArray
+from calib.arrays import BoolArray, FloatArray, IntArray
 
 # Half-width, in standard deviations, of the box an outlier may lie in.
 _REACH = 50.0
@@ -39,11 +39,19 @@ class Mixture:
         pi: share of outliers.
     settled
         False while the state is far from the answer (see the module's text).
+    correlated
+        How many neighbouring points carry the information of one.
     """
 
     scale: float
     share: float
     settled: bool = False
+    correlated: float = 1.0
+
+    @property
+    def variance(self) -> float:
+        """Of a residual, with what its neighbours repeat counted once."""
+        return self.scale**2 * self.correlated
 
     @classmethod
     def from_median(cls, residual: FloatArray) -> "Mixture":
@@ -75,7 +83,9 @@ class Mixture:
         """Tell which points are more likely good than not, shape (N,)."""
         return self.weights(residual) > 0.5
 
-    def updated(self, residual: FloatArray, weights: FloatArray, spent: float) -> "Mixture":
+    def updated(
+        self, residual: FloatArray, weights: FloatArray, spent: float, correlated: float = 1.0
+    ) -> "Mixture":
         """Return the mixture these residuals speak for.
 
         Parameters
@@ -84,10 +94,56 @@ class Mixture:
             Shape (N, 1 or 2) and (N,), the weights from `weights`.
         spent
             Degrees of freedom the parameters take from this kind of point.
+        correlated
+            How many neighbouring points carry the information of one.
         """
         freedom = weights.sum() * residual.shape[1] - spent
         if not freedom >= 1.0:
-            return Mixture(self.scale, self.share, settled=True)
+            return replace(self, settled=True)
         scale = np.sqrt((weights[:, None] * residual**2).sum() / freedom)
         share = np.clip(1.0 - weights.mean(), _LEAST_SHARE, _MOST_SHARE)
-        return Mixture(max(float(scale), _LEAST_SCALE), float(share), settled=True)
+        return Mixture(max(float(scale), _LEAST_SCALE), float(share), True, correlated)
+
+
+def correlated_run(
+    residual: FloatArray, weights: FloatArray, group: IntArray, along: FloatArray
+) -> float:
+    """Return how many neighbours carry the information of one, from how alike their residuals are.
+
+    Parameters
+    ----------
+    residual, weights
+        Shape (N,).
+    group, along
+        Shape (N,), the group of each point and its place along it; points of different groups are
+        independent.
+
+    Returns
+    -------
+    float
+        1 for independent points, else the sum of the correlations over all lags [1]_, taken up to
+        the first lag whose correlation is within two standard deviations of zero.
+
+    Notes
+    -----
+    The smoothing kernel of a ridge detector, speckle, and a sheet that is not quite flat all make
+    neighbours alike. Counted as independent they would promise too small an uncertainty.
+
+    References
+    ----------
+    .. [1] C. J. Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7(4), 1992.
+    """
+    order = np.lexsort((along, group))
+    value, group = (residual * weights)[order], group[order]
+    variance = float(value @ value)
+    if not variance > 0.0:
+        return 1.0
+    total = 1.0
+    for lag in range(1, len(value) // 4):
+        same = group[lag:] == group[:-lag]
+        pairs = max(int(np.count_nonzero(same)), 1)
+        correlation = float(value[lag:] @ (value[:-lag] * same)) / variance
+        if not correlation > 2.0 / np.sqrt(pairs):
+            break
+        total += 2.0 * correlation
+    return total

@@ -14,7 +14,7 @@ from calib.joint.discs import (
 )
 from calib.joint.parameters import POSE_SIZE, Estimate, Layout, tangent_basis
 from calib.lens import normalised_of, picture_by_camera, picture_of, picture_slope
-from calib.observations import DotTable, Observations, StripeTable
+from calib.observations import Observations, StripeTable
 
 # A stripe whose observed normal lies along the predicted line cannot be told from it: the
 # distance along the normal is then taken as if the angle between them were this sine.
@@ -140,12 +140,12 @@ def _feet(
     along = np.einsum("ij,ij->i", lines[:, :2], step)
     along = _away_from_zero(along, np.linalg.norm(lines[:, :2], axis=1) / camera[0])
     miss = np.einsum("ij,ij->i", lines[:, :2], start) + lines[:, 2]
-    return start - (miss / along)[:, None] * step
+    return np.asarray(start - (miss / along)[:, None] * step)
 
 
 def _away_from_zero(value: FloatArray, scale: FloatArray) -> FloatArray:
     least = _LEAST_SINE * scale
-    return np.where(np.abs(value) < least, np.copysign(least, value), value)
+    return np.asarray(np.where(np.abs(value) < least, np.copysign(least, value), value))
 
 
 def _line_by_pose(stripe: StripeTable, estimate: Estimate, by_line: FloatArray) -> FloatArray:

@@ -1,14 +1,14 @@
 """The robust maximum-likelihood solve: poses, and as wanted the light plane and the camera."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray
 from calib.errors import NotConverged
-from calib.joint.mixture import Mixture
+from calib.joint.mixture import Mixture, correlated_run
 from calib.joint.normal_equations import ArrowCovariance, NormalEquations
-from calib.joint.parameters import Estimate, Layout
+from calib.joint.parameters import POSE_SIZE, Estimate, Layout
 from calib.joint.residuals import Linear, linearise_dots, linearise_stripe
 from calib.lens import normalised_of
 from calib.observations import Observations
@@ -16,8 +16,10 @@ from calib.observations import Observations
 _ITERATIONS = 100
 # A step shorter than this many standard deviations (of all parameters together) is an arrival.
 _ARRIVED = 1e-3
-# Within this many standard deviations the residuals are noise rather than misfit.
-_NEAR = 1.0
+# The scales have settled when a step changes them by less than this part.
+_SCALE_SETTLED = 1e-3
+# A step of less than this many standard deviations a parameter: what is left is noise, not misfit.
+_NEAR = 0.5
 _LEAST_DAMPING, _FIRST_DAMPING, _MOST_DAMPING = 1e-12, 1e-4, 1e10
 
 
@@ -57,7 +59,7 @@ class Problem:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """The end of a solve.
+    """The end of a solve that converged.
 
     Attributes
     ----------
@@ -83,32 +85,192 @@ class Solution:
     iterations: int
 
 
-@dataclass(slots=True, eq=False)
-class _Climber:
-    """A damped Gauss-Newton (Levenberg-Marquardt) walk with weights renewed at every step."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Place:
+    """A state with its residuals and Jacobian."""
 
-    problem: Problem
     estimate: Estimate
-    rays: FloatArray | None = None
-    damping: float = _FIRST_DAMPING
-    dots: Linear = field(init=False)
-    stripe: Linear = field(init=False)
+    dots: Linear
+    stripe: Linear
 
-    def __post_init__(self) -> None:
-        stripe = self.problem.observations.stripe
-        self.rays = normalised_of(stripe.seen_px, self.estimate.camera)
-        self.dots, self.stripe = self.linearise(self.estimate)
+    @classmethod
+    def at(cls, problem: Problem, estimate: Estimate, rays: FloatArray) -> "_Place":
+        observations, layout = problem.observations, problem.layout
+        # A wild trial step may divide by zero; its cost is then not finite and it is refused.
+        with np.errstate(all="ignore"):
+            return cls(
+                estimate,
+                linearise_dots(observations, estimate, layout),
+                linearise_stripe(observations.stripe, estimate, layout, rays),
+            )
 
-    def linearise(self, estimate: Estimate) -> tuple[Linear, Linear]:
-        observations, layout = self.problem.observations, self.problem.layout
-        stripe = linearise_stripe(observations.stripe, estimate, layout, self.rays)
-        return linearise_dots(observations, estimate, layout), stripe
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Belief:
+    """How each kind of point scatters, and the weights that follow, fixed for one step."""
+
+    dots: Mixture
+    stripe: Mixture
+    dots_weight: FloatArray
+    stripe_weight: FloatArray
+
+    @classmethod
+    def of(cls, problem: Problem, place: _Place, dots: Mixture, stripe: Mixture) -> "_Belief":
+        present = problem.stripe_in[problem.observations.stripe.view]
+        return cls(
+            dots,
+            stripe,
+            dots.weights(place.dots.residual),
+            np.where(present, stripe.weights(place.stripe.residual), 0.0),
+        )
+
+    @classmethod
+    def from_medians(cls, problem: Problem, place: _Place) -> "_Belief":
+        present = problem.stripe_in[problem.observations.stripe.view]
+        dots = Mixture.from_median(place.dots.residual)
+        stripe = Mixture.from_median(place.stripe.residual[present])
+        return cls.of(problem, place, dots, stripe)
+
+    def settled_at(self, problem: Problem, place: _Place) -> "_Belief":
+        """Renew the mixtures by what this place leaves."""
+        dots, stripe, total = self.equations(problem, place)
+        covariance = total.covariance()
+        table = problem.observations.stripe
+        present = problem.stripe_in[table.view]
+        residual, weight = place.stripe.residual[present], self.stripe_weight[present]
+        # Parameters follow a run of like residuals as one, so they spend a run for each freedom.
+        spent = covariance.freedom_spent_on(stripe) * self.stripe.correlated
+        run = correlated_run(
+            residual[:, 0], weight, table.view[present], table.along_px[present]
+        )
+        return _Belief.of(
+            problem,
+            place,
+            self.dots.updated(
+                place.dots.residual, self.dots_weight, covariance.freedom_spent_on(dots)
+            ),
+            self.stripe.updated(residual, weight, spent, run),
+        )
 
     def equations(
-        self, dots: Linear, stripe: Linear, weights: tuple[FloatArray, FloatArray]
-    ) -> tuple[NormalEquations, NormalEquations]:
-        observations = self.problem.observations
-        return (
-            NormalEquations.of(dots, weights[0], observations.dots.view, observations.count),
-            NormalEquations.of(stripe, weights[1], observations.stripe.view, observations.count),
+        self, problem: Problem, place: _Place
+    ) -> tuple[NormalEquations, NormalEquations, NormalEquations]:
+        """Return the normal equations of dots, of stripe, and of everything with the prior."""
+        seen = problem.observations
+        dots = NormalEquations.of(
+            place.dots, self.dots_weight / self.dots.variance, seen.dots.view, seen.count
         )
+        stripe = NormalEquations.of(
+            place.stripe, self.stripe_weight / self.stripe.variance, seen.stripe.view, seen.count
+        )
+        total = dots + stripe
+        if problem.prior is not None:
+            size = problem.layout.size
+            free = list(problem.layout.camera)
+            information, gap = np.zeros((size, size)), np.zeros(size)
+            information[: len(free), : len(free)] = problem.prior.information
+            gap[: len(free)] = (problem.prior.camera - place.estimate.camera)[free]
+            total = total.with_prior(information, gap)
+        return dots, stripe, total
+
+    def cost(self, problem: Problem, place: _Place) -> float:
+        """Return the cost of a place under these weights."""
+        squares = (place.dots.residual**2).sum(axis=1) @ self.dots_weight / self.dots.variance
+        stripe = (place.stripe.residual**2)[:, 0] @ self.stripe_weight / self.stripe.variance
+        prior = 0.0
+        if problem.prior is not None:
+            free = list(problem.layout.camera)
+            gap = (problem.prior.camera - place.estimate.camera)[free]
+            prior = float(gap @ problem.prior.information @ gap)
+        return float(squares + stripe + prior) / 2.0
+
+    def differs_from(self, other: "_Belief") -> bool:
+        """Tell whether the scales still move."""
+        return any(
+            abs(mine.scale - theirs.scale) > _SCALE_SETTLED * theirs.scale or not mine.settled
+            for mine, theirs in ((self.dots, other.dots), (self.stripe, other.stripe))
+        )
+
+
+def solve(problem: Problem, start: Estimate) -> Solution:
+    """Find the most likely poses, and as the layout says light plane and camera.
+
+    Parameters
+    ----------
+    problem
+        Points, free parameters, prior.
+    start
+        A state near the answer.
+
+    Returns
+    -------
+    Solution
+        Its covariance is scaled by the scatter seen.
+
+    Raises
+    ------
+    NotConverged
+        If no step lowers the cost any more, or the steps do not end.
+
+    Notes
+    -----
+    A damped Gauss-Newton (Levenberg-Marquardt) walk on the weighted squares. The weights are fixed
+    within a step and renewed after it, so that each step lowers the mixture's negative logarithm.
+    """
+    rays = normalised_of(problem.observations.stripe.seen_px, start.camera)
+    place = _Place.at(problem, start, rays)
+    belief = _Belief.from_medians(problem, place)
+    parameters = problem.layout.size + POSE_SIZE * problem.observations.count
+    damping = _FIRST_DAMPING
+    moving = True
+    for iteration in range(1, _ITERATIONS + 1):
+        total = belief.equations(problem, place)[2]
+        global_step, pose_steps, decrement = _step(total, damping)
+        if decrement <= _ARRIVED**2 and not moving:
+            return _solution(problem, place, belief, iteration)
+        trial = problem.layout.moved(place.estimate, global_step, pose_steps)
+        trial_place = _Place.at(problem, trial, rays)
+        # Near the end the cost cannot fall by more than its own rounding.
+        if belief.cost(problem, trial_place) <= total.cost * (1.0 + 1e-12) + 1e-12:
+            place, before = trial_place, belief
+            if belief.dots.settled or decrement <= _NEAR**2 * parameters:
+                belief = belief.settled_at(problem, place)
+            else:
+                belief = _Belief.from_medians(problem, place)
+            moving = belief.differs_from(before)
+            damping = max(damping / 10.0, _LEAST_DAMPING)
+        elif damping >= _MOST_DAMPING:
+            raise NotConverged(
+                f"the solve stands still after {iteration} steps; check the target's size and "
+                "the pictures' quality"
+            )
+        else:
+            damping = max(damping * 10.0, _FIRST_DAMPING)
+    raise NotConverged(
+        f"the solve did not end within {_ITERATIONS} steps; check the target's size and the "
+        "pictures' quality"
+    )
+
+
+def _step(equations: NormalEquations, damping: float) -> tuple[FloatArray, FloatArray, float]:
+    try:
+        return equations.step(damping)
+    except np.linalg.LinAlgError as error:
+        raise NotConverged(
+            f"the pictures do not determine the answer ({error}); add pictures of the target in "
+            "other places and tilts"
+        ) from error
+
+
+def _solution(problem: Problem, place: _Place, belief: _Belief, iterations: int) -> Solution:
+    total = belief.equations(problem, place)[2]
+    return Solution(
+        estimate=place.estimate,
+        dots=place.dots,
+        stripe=place.stripe,
+        dots_mixture=belief.dots,
+        stripe_mixture=belief.stripe,
+        covariance=total.covariance(),
+        cost=total.cost,
+        iterations=iterations,
+    )

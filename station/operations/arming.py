@@ -1,11 +1,9 @@
 """Having the sensors wait for triggers and record: one recording at a time on each."""
 
 from collections.abc import Iterable
-from typing import Literal
-
 from sqlalchemy.orm import Session
 
-from station.capture import RecordingPlan
+from station.capture import RecordingPlan, Trigger
 from station.errors import StateConflict
 from station.operations.collaborators import Station
 from station.settings import SensorSettings
@@ -17,8 +15,6 @@ from station.store import (
     session_in_progress,
     the,
 )
-
-Trigger = Literal["free", "software", "Line1"]
 
 
 def ensure_sensors_free(session: Session, sensors: Iterable[SensorSettings], wanted: str) -> None:

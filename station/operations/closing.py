@@ -32,7 +32,7 @@ class Closed:
             refused=report.refused,
             complete=report.complete,
             recovered=False,
-            summary=report.summary(),
+            summary=report.summary().removeprefix(f"{report.path}: "),
         )
 
     @classmethod
@@ -63,8 +63,11 @@ def close_all(
 def _close(station: Station, recording: Recording, expected: int | None) -> Closed:
     # Never raises for what happened to camera, process or file: the pass ends, and says so.
     path = station.layout.root / recording.path
+    capture = station.captures.get(recording.sensor)
+    if capture is None:
+        return _salvage(station, recording, expected, "the station no longer has the sensor")
     try:
-        report = station.captures[recording.sensor].finish(expected)
+        report = capture.finish(expected)
     except StationError as error:
         return _salvage(station, recording, expected, str(error))
     if report.path != path:

@@ -19,9 +19,14 @@ class DataLayout:
         return sqlite_url(self.root / "station.sqlite")
 
     @property
+    def jobs_file(self) -> Path:
+        """The durable jobs' own database: its locks never hold up the store."""
+        return self.root / "jobs.sqlite"
+
+    @property
     def jobs_url(self) -> str:
-        """URL of the durable jobs' own database: a reset of one never touches the other."""
-        return sqlite_url(self.root / "jobs.sqlite")
+        """URL of the durable jobs' database."""
+        return sqlite_url(self.jobs_file)
 
     @property
     def worker_lock(self) -> Path:

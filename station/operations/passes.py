@@ -7,10 +7,12 @@ from threading import Lock
 
 from sqlalchemy.orm import Session
 
-from station.errors import InputUnusable, StateConflict, StationError
+from station.capture import Trigger
+from station.errors import StateConflict, StationError
 from station.operations.arming import arm, calibration_in_force, ensure_sensors_free
 from station.operations.closing import Closed, close_all, note
 from station.operations.collaborators import Station
+from station.operations.sensors import sensor_given
 from station.settings import SensorSettings
 from station.store import (
     PASS,
@@ -110,7 +112,8 @@ class Passes:
         InputUnusable
             If a trigger count is of a sensor that the station has not.
         """
-        self._ensure_sensors_known(triggers)
+        for sensor_id in triggers:
+            sensor_given(self._station.settings, sensor_id)
         expected = {sensor.id: triggers.get(sensor.id, axles) for sensor in self._station.sensors}
         with self._closing:
             view = self.view(pass_id)
@@ -162,7 +165,7 @@ class Passes:
     def _arm_all(self, view: PassView, pass_id: str) -> None:
         def arm_one(pair: tuple[Recording, SensorSettings]) -> None:
             recording, sensor = pair
-            arm(self._station, recording, owner=pass_id, trigger=sensor.trigger)
+            arm(self._station, recording, owner=pass_id, trigger=Trigger(sensor.trigger))
 
         pairs = list(zip(view.recordings, self._station.sensors, strict=True))
         with ThreadPoolExecutor(max_workers=len(pairs)) as pool:
@@ -224,9 +227,10 @@ class Passes:
         row.job_id = job.id
 
     def _still_records(self, recording: Recording, pass_id: str) -> bool:
+        capture = self._station.captures.get(recording.sensor)
         try:
-            return self._station.captures[recording.sensor].status().session_id == pass_id
-        except (StationError, KeyError):
+            return capture is not None and capture.status().session_id == pass_id
+        except StationError:
             return False
 
     def _step(self, pass_id: str, wanted: PassState) -> None:
@@ -234,14 +238,6 @@ class Passes:
             row = the(session, Pass, pass_id)
             if row.state is not wanted:
                 _step(row, wanted)
-
-    def _ensure_sensors_known(self, triggers: Mapping[str, int]) -> None:
-        for sensor in triggers:
-            if self._station.settings.sensor(sensor) is None:
-                known = ", ".join(each.id for each in self._station.sensors)
-                raise InputUnusable(
-                    f"triggers of sensor {sensor!r}: the station has {known}; count for those"
-                )
 
 
 def _view(session: Session, row: Pass) -> PassView:

@@ -23,6 +23,11 @@ class ActiveFile:
     """The open file; its owner writes to `descriptor`."""
 
     def __init__(self, path: Path, descriptor: int) -> None:
+        try:
+            lock(descriptor, path)
+        except StateConflict:
+            os.close(descriptor)
+            raise
         self.path = path
         self.descriptor = descriptor
         self._failure: OSError | None = None
@@ -51,7 +56,6 @@ class ActiveFile:
             ) from None
         except OSError as error:
             raise _failed(path, error, "created") from error
-        lock(descriptor, path)
         return cls(path, descriptor)
 
     @classmethod
@@ -61,7 +65,6 @@ class ActiveFile:
             descriptor = os.open(active_path(path), os.O_RDWR)
         except OSError as error:
             raise _failed(path, error, "opened again") from error
-        lock(descriptor, path)
         return cls(path, descriptor)
 
     @contextlib.contextmanager
@@ -110,7 +113,6 @@ def lock(descriptor: int, path: Path) -> None:
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        os.close(descriptor)
         raise StateConflict(
             f"{path} is being written by another process; wait until it has finished"
         ) from None

@@ -8,7 +8,7 @@ from io import BytesIO
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, ChunkIndex, Metadata, Schema
+from mcap.records import Attachment, Channel, ChunkIndex, McapRecord, Metadata, Schema
 
 from station.recording.chunks import messages, read_chunk
 from station.recording.crc import joined_crc
@@ -71,6 +71,12 @@ def without_damaged_tail(descriptor: int, found: Scan) -> Scan:
     return Scan(index, end, found.finished)
 
 
+def decode(opcode: int, body: bytes) -> McapRecord:
+    """Decode a schema, a channel, metadata or an attachment."""
+    record: McapRecord = _READERS[opcode].read(ReadDataStream(BytesIO(body)))
+    return record
+
+
 def _is_whole(descriptor: int, chunk: IndexedChunk) -> bool:
     try:
         content = read_chunk(descriptor, chunk.index)
@@ -86,8 +92,7 @@ def _take(descriptor: int, index: FileIndex, opcode: int, at: int, length: int) 
         return
     record = os.pread(descriptor, PREFIX.size + length, at)
     if opcode in _READERS:
-        body = ReadDataStream(BytesIO(record[PREFIX.size :]))
-        index.add(_READERS[opcode].read(body), at, len(record))
+        index.add(decode(opcode, record[PREFIX.size :]), at, len(record))
     index.data_crc = zlib.crc32(record, index.data_crc)
     if opcode == Opcode.MESSAGE_INDEX:
         _take_message_index(index, record, at)

@@ -144,6 +144,10 @@ class RecordingWriter:
         """Return how many frames of a sensor the recording holds."""
         return self._appender.index.messages_on(topic_name(sensor, Topic.IMAGE))
 
+    def events_written(self, sensor: str) -> int:
+        """Return how many events of a sensor the recording holds."""
+        return self._appender.index.messages_on(topic_name(sensor, Topic.EVENTS))
+
     def finish(self) -> RecordingSummary:
         """Write the summary, put all on the disk, and give the file its name; twice is once."""
         if self._summary is None:

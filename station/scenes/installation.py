@@ -19,9 +19,9 @@ _PLANE = (0.0151, 0.8186, -0.5742, 279.06)
 _BASELINE_MM = 340.0
 
 # In the section of the wheel the back face stands at 0 and the flange face at 20 degrees to the
-# radius. Only a sensor that looks in from between the two sees both; 14.5 degrees within the
+# radius. Only a sensor that looks in from between the two sees both; 16 degrees within the
 # sheet put its camera near 5 and 10 degrees, and its laser near 9 and 12, at those faces.
-_TILT_RAD = math.radians(14.5)
+_TILT_RAD = math.radians(16.0)
 _BELOW_HORIZON_RAD = math.radians(30.0)
 _AIM_LATERAL_MM = -15.0
 

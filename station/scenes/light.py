@@ -65,7 +65,7 @@ RECIPES = {
     # Four times the exposure that the dots want, under a reflection that alone would fill the
     # converter.
     Light.OVER_EXPOSED: LightRecipe(
-        lamps=600.0, stripe=900.0, shine=700.0, daylight=110.0, surroundings=30.0
+        lamps=600.0, stripe=900.0, shine=420.0, daylight=110.0, surroundings=30.0
     ),
     # A laser strong enough that a dot it crosses melts together with the stripe.
     Light.CROSSING: LightRecipe(stripe=280.0),

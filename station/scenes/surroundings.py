@@ -14,14 +14,24 @@ _COARSE = 4  # the surroundings are far out of focus: a quarter of the resolutio
 def surroundings(camera: CameraModel, recipe: LightRecipe, rng: np.random.Generator) -> Counts:
     """Return the light of what stands behind, shape of the picture.
 
-    Ground of all sizes, some straight things before it, and the spots that stray light throws.
+    Ground of all sizes, and some straight things before it.
     """
     shape = (camera.height // _COARSE, camera.width // _COARSE)
     ground = 1.0 + 0.35 * clouds(rng, shape, 128.0)
     _draw_beams(ground, rng)
     light = np.float32(recipe.surroundings) * np.maximum(ground, 0.1)
+    return _fine(light, camera)
+
+
+def stray_spots(camera: CameraModel, recipe: LightRecipe, rng: np.random.Generator) -> Counts:
+    """Return the spots that stray light and the lens throw over the whole picture."""
+    light = np.zeros((camera.height // _COARSE, camera.width // _COARSE), dtype=np.float32)
     for _ in range(recipe.stray_spots):
         _add_spot(light, rng)
+    return _fine(light, camera)
+
+
+def _fine(light: Counts, camera: CameraModel) -> Counts:
     size = (camera.width, camera.height)
     return np.asarray(cv2.resize(light, size, interpolation=cv2.INTER_LINEAR))
 

@@ -1,44 +1,20 @@
 """A picture of the calibration target, crossed by the laser."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib import FloatArray, LaserSensor, Picture, RigidTransform, Target
-from station.scenes.board import Appearance, BoardMap, appearance, outline_mm
-from station.scenes.detector import Detector
+from station.scenes.board import Appearance, appearance, outline_mm
+from station.scenes.board_light import BoardView, false_sheet, standing_light
 from station.scenes.light import RECIPES, Light, LightRecipe
-from station.scenes.optics import Lens
 from station.scenes.patch import Counts, Window
-from station.scenes.rays import ray_map
+from station.scenes.physics import Physics
 from station.scenes.sheet import LaserSheet
-from station.scenes.surroundings import surroundings
+from station.scenes.surroundings import stray_spots, surroundings
 from station.scenes.texture import speckle
 
 _BLUR_MARGIN_PX = 8
-
-
-@dataclass(frozen=True, slots=True)
-class Surface:
-    """How rough what is looked at is; `smooth` takes all of it away, for tests of the geometry.
-
-    Attributes
-    ----------
-    grain
-        Standard deviation over mean of the light a surface returns.
-    speckle
-        Contrast of the laser's speckle, as the pixels see it.
-    """
-
-    grain: float = 0.12
-    speckle: float = 0.09
-
-    @classmethod
-    def smooth(cls) -> "Surface":
-        """Make a surface without grain and speckle."""
-        return cls(grain=0.0, speckle=0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,8 +36,8 @@ class TargetScene:
         Whether the laser shines. A scene with the laser off is otherwise the same.
     seed
         What stands still and is left to chance: glare, surroundings, speckle.
-    surface, lens, detector
-        The physics.
+    physics
+        Roughness, lens and sensor chip.
 
     Raises
     ------
@@ -75,9 +51,7 @@ class TargetScene:
     light: Light = Light.GOOD
     laser_on: bool = True
     seed: int = 0
-    surface: Surface = field(default_factory=Surface)
-    lens: Lens = field(default_factory=Lens)
-    detector: Detector = field(default_factory=Detector)
+    physics: Physics = field(default_factory=Physics)
 
     def __post_init__(self) -> None:
         corners = self._corners_in_cam_mm
@@ -103,7 +77,9 @@ class TargetScene:
         )
         if not window.empty:
             self._add_board(frame[window.slices], window, by_chance)
-        return self.lens.finish(frame, camera)
+        if self.recipe.stray_spots:
+            frame += stray_spots(camera, self.recipe, by_chance)
+        return self.physics.lens.finish(frame, camera)
 
     def render(self, rng: np.random.Generator, exposure: float = 1.0) -> Picture:
         """Take a picture; `rng` draws the noise and nothing else.
@@ -115,4 +91,37 @@ class TargetScene:
         exposure
             Factor on the exposure time.
         """
-        return self.detector.expose(self.light_counts(), rng, exposure)
+        return self.physics.detector.expose(self.light_counts(), rng, exposure)
+
+    @property
+    def _corners_in_cam_mm(self) -> FloatArray:
+        (left, top), (right, bottom) = outline_mm(self.target)
+        corners = [[left, top, 0], [right, top, 0], [right, bottom, 0], [left, bottom, 0]]
+        return self.cam_from_board.apply(np.array(corners, dtype=np.float64))
+
+    def _add_board(self, frame: Counts, window: Window, by_chance: np.random.Generator) -> None:
+        view = BoardView.of(self.sensor.camera, self.cam_from_board, window)
+        look = appearance(self.target, view.place, self.physics.grain)
+        board = standing_light(self.target, look, view.place, self.recipe, by_chance)
+        frame *= 1.0 - self.physics.lens.blur(look.board, view.depth_mm)
+        frame += self.physics.lens.blur(board, view.depth_mm)
+        if self.laser_on:
+            frame += self._stripes(view, look, by_chance)
+
+    def _stripes(
+        self, view: BoardView, look: Appearance, by_chance: np.random.Generator
+    ) -> Counts:
+        """Return the light of the true stripe and, where the light has one, of the false."""
+        sheet = LaserSheet.of_sensor(
+            self.sensor, by_chance, unevenness=self.recipe.stripe_unevenness
+        )
+        light = view.laser_light(sheet, look)
+        if self.recipe.false_stripe > 0.0:
+            false = false_sheet(
+                sheet, self.target, self.cam_from_board, by_chance, power=self.recipe.false_stripe
+            )
+            if false is not None:
+                light += view.laser_light(false, look)
+        light *= np.float32(self.recipe.stripe)
+        grains = speckle(by_chance, light.shape, self.physics.speckle)
+        return self.physics.lens.blur(light, view.depth_mm) * grains

@@ -1,5 +1,6 @@
 """A simulated GigE Vision camera on an address of this host."""
 
+import contextlib
 import errno
 import ipaddress
 import select
@@ -18,7 +19,7 @@ from station.simulated.faults import Faults
 from station.simulated.gvcp import MalformedPacket, Request
 from station.simulated.identity import Identity
 from station.simulated.sources import FrameSource
-from station.software import VERSION
+from station.software import SOFTWARE
 
 VENDOR = "Treadline"
 MODEL = "Simulated NIR camera"
@@ -51,10 +52,10 @@ class SimulatedCamera:
             If `address` is no IPv4 address or the pictures are too small to be sent.
         """
         self._identity = Identity(
-            address=_parse_address(address),
+            address=parse_address(address),
             vendor=VENDOR,
             model=MODEL,
-            version=VERSION,
+            version=SOFTWARE,
             serial=serial or f"SIM-{address.removeprefix('127.')}",
         )
         if min(source.width, source.height) < reg.MIN_REGION_PX:
@@ -69,6 +70,7 @@ class SimulatedCamera:
         self._sockets: list[socket.socket] = []
         self._threads: list[threading.Thread] = []
         self._failure: Exception | None = None
+        self._final = Statistics()
 
     @property
     def address(self) -> str:
@@ -95,9 +97,9 @@ class SimulatedCamera:
             return
         listener = _listen(self._identity.address)
         self._device = Device(self._identity, self._source, self._faults, self._options)
-        self._wake, woken = socket.socketpair()
-        self._sockets = [self._wake, woken, listener, *_broadcast_listeners()]
-        loops = (
+        wake, woken = socket.socketpair()
+        self._sockets = [wake, woken, listener, *_broadcast_listeners()]
+        loops: tuple[Callable[[Device], None], ...] = (
             lambda device: self._serve(device, listener, woken),
             Device.expose_forever,
             Device.transmit_forever,
@@ -115,7 +117,7 @@ class SimulatedCamera:
         """
         if self._device is None:
             return
-        self._wake.send(b"\0")
+        self._sockets[0].send(b"\0")
         self._device.close()
         for thread in self._threads:
             thread.join(_STOP_TIMEOUT_S)
@@ -181,26 +183,35 @@ class SimulatedCamera:
         thread.start()
 
     def _serve(self, device: Device, listener: socket.socket, woken: socket.socket) -> None:
+        heard = self._sockets[1:]
         while True:
             left_s = device.control.seconds_to_expiry()
             timeout_s = None if left_s is None else max(0.0, left_s)
-            ready, _, _ = select.select(self._sockets[1:], [], [], timeout_s)
+            ready, _, _ = select.select(heard, [], [], timeout_s)
             if woken in ready:
                 return
             device.control.expire()
             for each in ready:
-                datagram, sender = each.recvfrom(_DATAGRAM_BYTES)
-                heard = each is listener or _is_discovery(datagram)
-                if heard and not device.frozen and self._may_answer(datagram, sender[0]):
-                    answer = device.control.handle(datagram, sender)
-                    if answer is not None:
-                        listener.sendto(answer, sender)
+                # Readiness is a hint; and an answer may have no way back to whoever asked.
+                with contextlib.suppress(OSError):
+                    self._answer(device, each, listener)
 
-    def _may_answer(self, datagram: bytes, sender_address: str) -> bool:
+    def _answer(self, device: Device, heard_by: socket.socket, listener: socket.socket) -> None:
+        datagram, sender = heard_by.recvfrom(_DATAGRAM_BYTES)
+        discovery = _is_discovery(datagram)
+        if device.frozen or not (discovery or heard_by is listener):
+            return
+        if discovery and not self._may_find(sender[0]):
+            return
+        answer = device.control.handle(datagram, sender)
+        if answer is not None:
+            listener.sendto(answer, sender)
+
+    def _may_find(self, sender_address: str) -> bool:
         # A loopback camera found through a network interface would be unusable from there:
         # drivers listen for the stream on the interface on which they found the camera.
         own, other = self._identity.address, ipaddress.ip_address(sender_address)
-        return not _is_discovery(datagram) or not own.is_loopback or other.is_loopback
+        return not own.is_loopback or other.is_loopback
 
 
 def _is_discovery(datagram: bytes) -> bool:
@@ -210,7 +221,8 @@ def _is_discovery(datagram: bytes) -> bool:
         return False
 
 
-def _parse_address(text: str) -> ipaddress.IPv4Address:
+def parse_address(text: str) -> ipaddress.IPv4Address:
+    """Return the address that a text names, or refuse it in one line."""
     try:
         return ipaddress.IPv4Address(text)
     except ValueError as error:
@@ -221,6 +233,7 @@ def _parse_address(text: str) -> ipaddress.IPv4Address:
 
 def _listen(address: ipaddress.IPv4Address) -> socket.socket:
     listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    listener.setblocking(False)
     try:
         listener.bind((str(address), gvcp.PORT))
     except OSError as error:
@@ -247,6 +260,7 @@ def _broadcast_listeners() -> list[socket.socket]:
     by its address alone.
     """
     listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    listener.setblocking(False)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind(("255.255.255.255", gvcp.PORT))

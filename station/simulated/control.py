@@ -17,13 +17,13 @@ class Effects(Protocol):
     """What a device does when it is commanded."""
 
     def register_written(self, register: reg.Register, value: int) -> None:
-        """A client wrote `value` into `register`; only the first word of a longer one is given."""
+        """Obey a write of `value`, the first word of what was written."""
 
     def resend_requested(self, request: gvcp.ResendRequest) -> None:
-        """A receiver wants packets again."""
+        """Send packets again."""
 
     def control_lost(self) -> None:
-        """Nobody controls the device any more."""
+        """Fall silent: nobody controls the device any more."""
 
 
 class ControlChannel:

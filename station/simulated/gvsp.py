@@ -86,7 +86,7 @@ class FramePackets:
         count = -(-payload_bytes // self._data_bytes)
         self._rows = np.zeros((count, _HEADER_BYTES + self._data_bytes), dtype=np.uint8)
         self._last_bytes = payload_bytes - (count - 1) * self._data_bytes
-        self._payload = [memoryview(row) for row in self._rows]
+        self._payload = [row.data for row in self._rows]
         self._payload[-1] = self._payload[-1][: _HEADER_BYTES + self._last_bytes]
         self.packets: list[memoryview] = []
 

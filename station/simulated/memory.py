@@ -25,9 +25,7 @@ class Refused(Exception):
 class CameraMemory:
     """Reads and writes by address for clients, by register for the camera itself."""
 
-    def __init__(
-        self, identity: Identity, width: int, height: int, frame_rate_hz: float
-    ) -> None:
+    def __init__(self, identity: Identity, width: int, height: int, frame_rate_hz: float) -> None:
         xml = resources.files(__package__).joinpath(_XML_FILE).read_bytes()
         padded = xml.ljust(-(-len(xml) // 4) * 4, b"\0")
         self._bytes = bytearray(reg.XML_ADDRESS) + padded
@@ -136,7 +134,7 @@ class CameraMemory:
             return True
         value = struct.unpack(">d" if register.kind is reg.Kind.FLOAT64 else ">I", data)[0]
         if register is reg.STREAM_PACKET_SIZE:
-            size = value & reg.SCPS_SIZE_MASK
+            size: int = value & reg.SCPS_SIZE_MASK
             return size % 4 == 0 and reg.MIN_PACKET_BYTES <= size <= reg.MAX_PACKET_BYTES
         return register.allows(value) and self._region_fits(register, value)
 

@@ -45,12 +45,16 @@ class Privilege(IntEnum):
 
 
 class AcquisitionMode(IntEnum):
+    """How many pictures an acquisition takes."""
+
     CONTINUOUS = 0
     SINGLE_FRAME = 1
     MULTI_FRAME = 2
 
 
 class TriggerSource(IntEnum):
+    """Where triggers come from."""
+
     SOFTWARE = 0
     LINE1 = 1
 
@@ -134,7 +138,7 @@ TIMESTAMP_HIGH = Register(0x0948)
 TIMESTAMP_LOW = Register(0x094C)
 CONTROL_PRIVILEGE = _own(0x0A00, _one_of(0, 1, 2, 3))
 STREAM_PORT = _own(0x0D00, _between(0, 0xFFFF))
-STREAM_PACKET_SIZE = _own(0x0D04)
+STREAM_PACKET_SIZE = _own(0x0D04, frames_layout=True)
 STREAM_PACKET_DELAY = _own(0x0D08, _between(0, 10_000_000))
 STREAM_ADDRESS = _own(0x0D18)
 STREAM_SOURCE_PORT = Register(0x0D1C)

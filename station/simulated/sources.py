@@ -58,9 +58,7 @@ class ArraySource:
 class SceneSource:
     """Serves what a function renders."""
 
-    def __init__(
-        self, render: Callable[[int, float], Picture], *, width: int, height: int
-    ) -> None:
+    def __init__(self, render: Callable[[int, float], Picture], *, width: int, height: int) -> None:
         """Take ``render(index, exposure_us)``; see `FrameSource.frame`."""
         self._render = render
         self.width = width

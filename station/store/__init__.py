@@ -18,6 +18,7 @@ from station.store.keys import Caller, Scope, add_key, any_key, caller_of, diges
 from station.store.lookups import (
     Page,
     counts_by_state,
+    frame_totals,
     measurements_page,
     open_sessions,
     pass_in_progress,
@@ -90,6 +91,7 @@ __all__ = [
     "caller_of",
     "counts_by_state",
     "digest",
+    "frame_totals",
     "end",
     "measurements_page",
     "migrate",

@@ -140,3 +140,10 @@ def measurements_page(
     if sensor is not None:
         query = query.where(Measurement.sensor == sensor)
     return _page(session, query, limit)
+
+
+def frame_totals(session: Session) -> dict[str, int]:
+    """Return the frames of all recordings, by what became of them."""
+    fates = ("recorded", "lost", "repeated", "refused")
+    columns = [func.coalesce(func.sum(getattr(Recording, fate)), 0) for fate in fates]
+    return dict(zip(fates, session.execute(select(*columns)).one(), strict=True))

@@ -1,0 +1,230 @@
+"""The doors of the solving half: from views to a camera, and to a laser sensor."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from calib.arrays import BoolArray
+from calib.calibration import (
+    Calibration,
+    CameraCalibration,
+    CameraRole,
+    Method,
+    SolvedPoints,
+    SolvedView,
+)
+from calib.camera import CameraModel
+from calib.camera_from_views import solve_camera
+from calib.errors import CameraMismatch, TooFewViews
+from calib.joint.method import solve_jointly
+from calib.preplanar import solve_preplanar
+from calib.sensor import LaserSensor
+from calib.solving import Answer, PointsAnswer, Prepared
+from calib.start import LEAST_STRIPE_POINTS, usable_views
+from calib.target import Target
+from calib.views import Cause, StripePoints, View
+
+_METHODS: Mapping[Method, Callable[[Prepared], Answer]] = {
+    Method.PREPLANAR: solve_preplanar,
+    Method.JOINT: solve_jointly,
+}
+# A camera needs views of three orientations, a light plane two stripes.
+_LEAST_CAMERA_VIEWS, _LEAST_STRIPES = 3, 2
+# A view of whose points fewer than this part is believed does not show the target.
+_LEAST_BELIEVED = 0.5
+
+
+def calibrate_camera(
+    views: Sequence[View], target: Target, *, width: int, height: int
+) -> CameraCalibration:
+    """Calibrate a camera from views of a target.
+
+    Parameters
+    ----------
+    views
+        What was seen; stripes are not looked at.
+    target
+        The target in the views.
+    width, height
+        Size of the pictures, px.
+
+    Returns
+    -------
+    CameraCalibration
+        fx, fy, cx, cy, k1, k2 always; p1, p2 and k3 where the data ask for them, else 0 and held.
+        A view that cannot be used is left out and named.
+
+    Raises
+    ------
+    TooFewViews
+        If fewer than three views can be used.
+    Degenerate
+        If the views leave the focal length undetermined, as with parallel targets.
+    NotConverged
+        If the solve does not end.
+
+    Notes
+    -----
+    Zhang's closed form starts a robust maximum-likelihood solve of all poses and the camera, each
+    point weighted by its sigma; see ``decisions``.
+    """
+    usable, reasons = usable_views(views, target)
+    while True:
+        _require_views(usable, reasons, _LEAST_CAMERA_VIEWS, "the camera")
+        chosen = [views[index] for index in usable]
+        answer = solve_camera(chosen, target, width=width, height=height)
+        failed = _misfits(chosen, answer.dots)
+        if not failed:
+            break
+        reasons |= {usable[place]: reason for place, reason in failed.items()}
+        usable = [index for index in usable if index not in reasons]
+    solved = _solved_views(views, usable, reasons, answer.poses, answer.dots, None, None)
+    return CameraCalibration(
+        camera=answer.camera,
+        rms_dots_px=answer.dots.rms_px,
+        views=solved,
+        solve=answer.report,
+        warnings=(*_left_out_warnings(views, reasons), *answer.warnings),
+    )
+
+
+def calibrate(
+    views: Sequence[View],
+    target: Target,
+    *,
+    width: int,
+    height: int,
+    camera: CameraModel | None = None,
+    method: Method = Method.JOINT,
+) -> Calibration:
+    """Calibrate a laser sensor from views of a target crossed by its stripe.
+
+    Parameters
+    ----------
+    views
+        What was seen. A view without a stripe still serves poses and camera.
+    target
+        The target in the views.
+    width, height
+        Size of the pictures, px.
+    camera
+        Held where its covariance is zero; a prior where it is not; without one it is estimated
+        from the same views.
+    method
+        How to solve.
+
+    Returns
+    -------
+    Calibration
+        A view that cannot be used is left out and named.
+
+    Raises
+    ------
+    CameraMismatch
+        If the camera is of another picture size.
+    TooFewViews
+        If fewer than two views with a stripe can be used, or three where the camera is unknown.
+    Degenerate
+        If the views leave the plane or the camera undetermined; told before solving.
+    NotConverged
+        If the solve does not end.
+    """
+    if camera is not None and (camera.width, camera.height) != (width, height):
+        raise CameraMismatch(
+            f"the camera is of {camera.width} x {camera.height} px, the pictures are of {width} x "
+            f"{height}; calibrate the camera at the pictures' size"
+        )
+    usable, reasons = usable_views(views, target)
+    views = [_without_short_stripe(view) for view in views]
+    while True:
+        start, role, camera_warnings = _camera_to_start(
+            views, usable, reasons, target, camera, (width, height)
+        )
+        _require_views(
+            [index for index in usable if views[index].stripe is not None],
+            reasons,
+            _LEAST_STRIPES,
+            "the light plane (target and stripe seen)",
+        )
+        chosen = [views[index] for index in usable]
+        answer = _METHODS[method](Prepared.of(chosen, target, start, role))
+        failed = _misfits(chosen, answer.dots)
+        if not failed:
+            break
+        reasons |= {usable[place]: reason for place, reason in failed.items()}
+        usable = [index for index in usable if index not in reasons]
+    return Calibration(
+        sensor=LaserSensor(answer.camera, answer.plane, answer.covariance),
+        method=method,
+        rms_dots_px=answer.dots.rms_px,
+        rms_stripe_px=answer.stripe.rms_px,
+        views=_solved_views(
+            views, usable, reasons, answer.poses, answer.dots, answer.stripe, answer.stripe_in
+        ),
+        solve=answer.report,
+        warnings=(
+            *_left_out_warnings(views, reasons),
+            *_false_stripe_warnings(chosen, answer.stripe_in),
+            *camera_warnings,
+            *answer.warnings,
+        ),
+    )
+
+
+def _camera_to_start(
+    views: Sequence[View],
+    usable: Sequence[int],
+    reasons: Mapping[int, str],
+    target: Target,
+    camera: CameraModel | None,
+    size: tuple[int, int],
+) -> tuple[CameraModel, CameraRole, tuple[str, ...]]:
+    """Return the camera a solve begins with, what may be done with it, and warnings about it."""
+    if camera is not None:
+        known = not np.diag(camera.covariance).any()
+        return camera, CameraRole.HELD if known else CameraRole.PRIOR, ()
+    _require_views(usable, reasons, _LEAST_CAMERA_VIEWS, "camera and light plane")
+    chosen = [views[index] for index in usable]
+    answer = solve_camera(chosen, target, width=size[0], height=size[1])
+    return answer.camera, CameraRole.ESTIMATED, answer.warnings
+
+
+def _require_views(
+    usable: Sequence[int], reasons: Mapping[int, str], least: int, purpose: str
+) -> None:
+    if len(usable) >= least:
+        return
+    first = f"; the first one left out: {next(iter(reasons.values()))}" if reasons else ""
+    raise TooFewViews(
+        f"{len(usable)} usable pictures for {purpose}, at least {least} are needed{first}; add "
+        "pictures of the target in other places"
+    )
+
+
+def _without_short_stripe(view: View) -> View:
+    if view.stripe is None or len(view.stripe) >= LEAST_STRIPE_POINTS:
+        return view
+    return View(view.name, view.points, None)
+
+
+def _misfits(views: Sequence[View], dots: PointsAnswer) -> dict[int, str]:
+    """Return the views most of whose points do not fit the target, by place, with the reason."""
+    edges = np.cumsum([0, *(len(view.points) for view in views)])
+    believed = [int(dots.used[a:b].sum()) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return {
+        place: f"only {believed[place]} of {len(view.points)} target points fit the target"
+        for place, view in enumerate(views)
+        if believed[place] < _LEAST_BELIEVED * len(view.points)
+    }
+
+
+def _left_out_warnings(views: Sequence[View], reasons: Mapping[int, str]) -> tuple[str, ...]:
+    return tuple(f"{views[index].name} left out: {reasons[index]}" for index in sorted(reasons))
+
+
+def _false_stripe_warnings(views: Sequence[View], stripe_in: BoolArray) -> tuple[str, ...]:
+    return tuple(
+        f"{view.name}: its stripe does not lie on the light plane of the others and was not used"
+        for view, believed in zip(views, stripe_in, strict=True)
+        if view.stripe is not None and not believed
+    )

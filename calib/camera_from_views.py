@@ -1,0 +1,138 @@
+"""A camera from views of a target: Zhang's closed form to start, then maximum likelihood."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.camera import PARAMETERS, CameraModel
+from calib.calibration import CameraRole, SolveReport
+from calib.errors import Degenerate
+from calib.homography import fit_homography_robustly
+from calib.joint.method import camera_of, dots_answer, report_of, scale_warnings
+from calib.joint.normal_equations import NormalEquations
+from calib.joint.parameters import Estimate, Layout
+from calib.joint.residuals import linearise_dots
+from calib.joint.solve import Problem, Solution, solve
+from calib.observations import Observations
+from calib.rigid import RigidTransform
+from calib.solving import PointsAnswer
+from calib.start import start_pose, typical_sigma_px
+from calib.target import Target
+from calib.views import View
+from calib.zhang import camera_from_homographies
+
+# Always estimated: focal lengths, principal point, k1, k2.
+_BASIC = tuple(PARAMETERS.index(name) for name in ("fx", "fy", "cx", "cy", "k1", "k2"))
+# Estimated where the data ask for them, in this order.
+_EXTRAS = (("p1", "p2"), ("k3",))
+# Relative standard deviations of the focal length: above the first the answer says so, above the
+# second there is none.
+_DOUBTFUL_FOCAL, _HOPELESS_FOCAL = 0.01, 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraAnswer:
+    """What a solve for the camera found.
+
+    Attributes
+    ----------
+    camera, poses, dots
+        The camera with its covariance, the poses of the views, what became of the dots.
+    report, warnings
+        How the solve ended; what the reader should know.
+    """
+
+    camera: CameraModel
+    poses: tuple[RigidTransform, ...]
+    dots: PointsAnswer
+    report: SolveReport
+    warnings: tuple[str, ...]
+
+
+def solve_camera(
+    views: Sequence[View], target: Target, *, width: int, height: int
+) -> CameraAnswer:
+    """Solve camera and poses from the dots of usable views.
+
+    Raises
+    ------
+    Degenerate
+        If the views leave the focal length undetermined.
+    NotConverged
+        If the solve does not end.
+    """
+    bare = [replace(view, stripe=None) for view in views]
+    camera = CameraModel.from_parameters(
+        camera_from_homographies(
+            [_homography(view, target) for view in bare], width=width, height=height
+        ),
+        width=width,
+        height=height,
+    )
+    problem = Problem(
+        Observations.of(bare, target),
+        Layout(_BASIC, plane=False),
+        prior=None,
+        stripe_in=np.zeros(len(bare), dtype=bool),
+    )
+    poses = [start_pose(view, target, camera) for view in bare]
+    solution = solve(problem, Estimate.start(camera, None, poses))
+    problem, solution = _with_supported_terms(problem, solution)
+    answer = camera_of(solution, problem.layout, camera)
+    report = report_of(problem, solution, CameraRole.ESTIMATED)
+    return CameraAnswer(
+        camera=answer,
+        poses=tuple(solution.estimate.poses),
+        dots=dots_answer(problem, solution),
+        report=report,
+        warnings=(*_focal_warnings(answer), *scale_warnings(report)),
+    )
+
+
+def _with_supported_terms(problem: Problem, solution: Solution) -> tuple[Problem, Solution]:
+    for names in _EXTRAS:
+        extra = {PARAMETERS.index(name) for name in names}
+        layout = Layout(tuple(sorted({*problem.layout.camera, *extra})), plane=False)
+        if _is_supported(problem, solution, layout, len(names)):
+            problem = replace(problem, layout=layout)
+            solution = solve(problem, solution.estimate)
+    return problem, solution
+
+
+def _is_supported(
+    problem: Problem, solution: Solution, layout: Layout, added: int
+) -> bool:
+    """Tell whether further free parameters lower the cost by more than chance does.
+
+    The fall of chi square that one Gauss-Newton step foretells (a score test) must exceed the
+    price of the Bayesian information criterion, the logarithm of the count per parameter.
+    """
+    observations, mixture = problem.observations, solution.dots_mixture
+    weights = mixture.weights(solution.dots.residual) / mixture.variance
+    linear = linearise_dots(observations, solution.estimate, layout)
+    equations = NormalEquations.of(linear, weights, observations.dots.view, observations.count)
+    fall = equations.step(damping=0.0)[2]
+    return fall > added * np.log(2.0 * len(observations.dots))
+
+
+def _homography(view: View, target: Target) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    points = view.points
+    board = points.points_mm(target.pitch_mm)[:, :2]
+    return fit_homography_robustly(board, points.centre_px, typical_sigma_px(points))
+
+
+def _focal_warnings(camera: CameraModel) -> tuple[str, ...]:
+    sigma = float(np.sqrt(camera.covariance[0, 0]))
+    if not sigma <= _HOPELESS_FOCAL * camera.fx:
+        raise Degenerate(
+            f"the focal length cannot be told from these pictures (fx {camera.fx:.0f} px, standard "
+            f"deviation {sigma:.0f} px); tilt the target by 20 degrees or more about both axes, or "
+            "give the camera"
+        )
+    if sigma > _DOUBTFUL_FOCAL * camera.fx:
+        return (
+            f"fx is known to {sigma:.0f} px only; more pictures with the target tilted about both "
+            "axes would tell it better",
+        )
+    return ()

@@ -1,0 +1,166 @@
+"""Where a solve begins: usable views, their poses, their stripes in space, a first light plane.
+
+Nothing here needs to be exact; everything here must survive false points and false pictures.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from calib.arrays import BoolArray, FloatArray
+from calib.camera import CameraModel
+from calib.errors import Degenerate
+from calib.homography import apply_homography, fit_homography_robustly, pose_from_homography
+from calib.lines import fit_line_robustly, fit_plane
+from calib.plane import LightPlane
+from calib.rigid import RigidTransform
+from calib.target import Target
+from calib.views import StripePoints, View
+
+# A pose has six unknowns; six points leave as many residuals to judge it by.
+LEAST_DOTS = 6
+# A line has two unknowns; fewer than five points cannot outvote one false one.
+LEAST_STRIPE_POINTS = 5
+# A board whose points miss by this part of their spacing is not this board.
+_MOST_MISS = 0.3
+_MOST_CANDIDATES = 500
+# Of the lines' extent: stripes that spread less across each other are one line in space.
+_LEAST_SPREAD = 0.01
+# ... as are stripes whose spread is no more than this many times their misfit.
+_LEAST_SPREAD_OVER_MISFIT = 2.5
+
+
+def why_unusable(view: View, target: Target) -> str:
+    """Return why a view cannot take part, in one line; empty if it can."""
+    points = view.points
+    if len(points) < LEAST_DOTS:
+        return f"{len(points)} target points; at least {LEAST_DOTS} are needed"
+    if not (points.row.max() < target.rows and points.col.max() < target.cols):
+        return (
+            f"a point at row {points.row.max()}, column {points.col.max()} of a target of "
+            f"{target.rows} x {target.cols}"
+        )
+    if not min(points.row.min(), points.col.min()) >= 0:
+        return "a point with a negative row or column"
+    places = set(zip(points.row.tolist(), points.col.tolist(), strict=True))
+    if len(places) < len(points):
+        return "the same target point twice"
+    board = points.points_mm(target.pitch_mm)[:, :2]
+    try:
+        homography = fit_homography_robustly(board, points.centre_px, _typical(points.sigma_px))
+    except Degenerate as reason:
+        return str(reason)
+    miss = np.median(np.linalg.norm(apply_homography(homography, board) - points.centre_px, axis=1))
+    spacing = _spacing_px(homography, board, target.pitch_mm)
+    if not miss <= _MOST_MISS * spacing:
+        return (
+            f"its points miss the target by {miss:.1f} px at a spacing of {spacing:.1f} px; "
+            "is it this target?"
+        )
+    return ""
+
+
+def start_pose(view: View, target: Target, camera: CameraModel) -> RigidTransform:
+    """Return the pose of a usable view, by decomposing its homography."""
+    board = view.points.points_mm(target.pitch_mm)[:, :2]
+    rays = camera.rays(view.points.centre_px)[:, :2]
+    sigma = _typical(view.points.sigma_px) / camera.fx
+    return pose_from_homography(fit_homography_robustly(board, rays, sigma))
+
+
+def stripe_in_space(
+    stripe: StripePoints, camera: CameraModel, cam_from_board: RigidTransform
+) -> FloatArray:
+    """Return the two ends of a stripe on its board, camera frame, mm, shape (2, 3)."""
+    rays = camera.rays(stripe.centre_px)[:, :2]
+    line, agreeing = fit_line_robustly(rays)
+    along = np.array([-line[1], line[0]])
+    reach = rays[agreeing] @ along
+    foot = -line[2] * line[:2]
+    ends = foot + np.array([[reach.min()], [reach.max()]]) * along
+    normal = cam_from_board.rotation[:, 2]
+    rays_3d = np.column_stack([ends, np.ones(2)])
+    return rays_3d * (normal @ cam_from_board.translation_mm / (rays_3d @ normal))[:, None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StartPlane:
+    """A first light plane.
+
+    Attributes
+    ----------
+    plane
+        The light plane.
+    agreeing
+        Shape (M,), the stripes it was fitted to.
+    """
+
+    plane: LightPlane
+    agreeing: BoolArray
+
+
+def start_plane(stripes_mm: FloatArray) -> StartPlane:
+    """Return the plane that most stripes lie in; up to a half of them may be false.
+
+    Parameters
+    ----------
+    stripes_mm
+        Shape (M, 2, 3), M >= 2, ends of each stripe in the camera frame.
+
+    Raises
+    ------
+    Degenerate
+        If the stripes lie in one line in space, so that no plane is singled out.
+
+    Notes
+    -----
+    Of the planes through two stripes each, the one with the smallest sum of distances is taken
+    (least absolute deviations over the views), then fitted again to the stripes within four
+    robust standard deviations.
+    """
+    pairs = np.array(list(combinations(range(len(stripes_mm)), 2)))
+    if len(pairs) > _MOST_CANDIDATES:
+        pairs = np.random.default_rng(0).choice(pairs, _MOST_CANDIDATES, replace=False)
+    planes = [fit_plane(stripes_mm[pair].reshape(-1, 3)) for pair in pairs]
+    misses = np.array([_misses(stripes_mm, plane) for plane in planes])
+    best = misses[np.argmin(misses.sum(axis=1))]
+    agreeing = best <= 4.0 * np.median(best) / 0.6745 + 1e-9
+    _refuse_one_line(stripes_mm[agreeing])
+    plane = LightPlane.from_coefficients(fit_plane(stripes_mm[agreeing].reshape(-1, 3)))
+    return StartPlane(plane, agreeing)
+
+
+def _misses(stripes_mm: FloatArray, plane: FloatArray) -> FloatArray:
+    return np.asarray(np.abs(stripes_mm @ plane[:3] + plane[3]).max(axis=1))
+
+
+def _refuse_one_line(stripes_mm: FloatArray) -> None:
+    ends = stripes_mm.reshape(-1, 3)
+    spread = np.linalg.svd(ends - ends.mean(axis=0), compute_uv=False) / np.sqrt(len(ends))
+    least = max(_LEAST_SPREAD * spread[0], _LEAST_SPREAD_OVER_MISFIT * spread[2])
+    if not spread[1] > least:
+        raise Degenerate(
+            f"the stripes of all pictures lie in one line in space (they spread {spread[1]:.2g} mm "
+            f"across it, at least {least:.2g} mm are needed); move the target nearer and farther, "
+            "so that the stripe falls on different parts of the sheet"
+        )
+
+
+def _typical(sigma_px: FloatArray) -> float:
+    return float(np.sqrt(np.median(sigma_px**2)))
+
+
+def _spacing_px(homography: FloatArray, board: FloatArray, pitch_mm: float) -> float:
+    middle = board.mean(axis=0)
+    near = middle + np.array([[0.0, 0.0], [pitch_mm, 0.0], [0.0, pitch_mm]])
+    seen = apply_homography(homography, near)
+    return float(np.linalg.norm(seen[1:] - seen[0], axis=1).mean())
+
+
+def usable_views(views: Sequence[View], target: Target) -> tuple[list[int], dict[int, str]]:
+    """Sort views by index into usable ones and reasons against the others."""
+    reasons = {index: why_unusable(view, target) for index, view in enumerate(views)}
+    usable = [index for index, reason in reasons.items() if not reason]
+    return usable, {index: reason for index, reason in reasons.items() if reason}

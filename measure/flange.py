@@ -1,0 +1,104 @@
+"""Where in a section is a flange, if anywhere?  A vote of all points, blind to strays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import uniform_filter
+
+from calib import FloatArray
+from measure.template import Template
+
+_CELL_MM = 2.0
+_VOTERS = 500
+_EVERY = 3
+_SUPPORT_MM = 2.5
+_SIN_TANGENT = 0.42  # 25 degrees: a worn face is steeper by as much
+_MIN_SHARE = 0.3
+_MIN_TIP_SHARE = 0.5
+_RIVAL_SHARE = 0.8
+_RIVAL_DISTANCE_MM = 30.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Voters:
+    """Points of a section with the direction of the stripe and of the camera at each.
+
+    Attributes
+    ----------
+    points_mm, tangent, to_camera
+        Shape (N, 2); the latter two unit and of any length.
+    """
+
+    points_mm: FloatArray
+    tangent: FloatArray
+    to_camera: FloatArray
+
+    def thinned(self) -> "Voters":
+        """Return an even choice of a few hundred."""
+        step = max(1, len(self.points_mm) // _VOTERS)
+        return Voters(self.points_mm[::step], self.tangent[::step], self.to_camera[::step])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sighting:
+    """A flange that may be: what to take from (a, r) to get (y, z), and how much supports it."""
+
+    shift_mm: FloatArray
+    share: float
+    tip_share: float
+
+    @property
+    def credible(self) -> bool:
+        """Whether enough of a flange, and of its tip, is seen."""
+        return self.share >= _MIN_SHARE and self.tip_share >= _MIN_TIP_SHARE
+
+
+def find_flanges(voters: Voters, template: Template) -> tuple[Sighting, ...]:
+    """Return the flange of a section; two where a second one has nearly as much support.
+
+    Each point votes for the shifts that put it on a point of the template's flange with the same
+    direction, on a side that the camera can see. A shift with many votes is a flange; strays
+    vote everywhere. Tread wear moves no flange, and so not the vote.
+    """
+    few = voters.thinned()
+    chosen = template.flange()[::_EVERY]
+    difference = few.points_mm[:, None] - template.points_mm[chosen]
+    allowed = _agrees(few, template, chosen)
+    shifts = difference[allowed]
+    if not len(shifts):
+        return ()
+    first = _peak(shifts, few, template)
+    away = np.abs(shifts[:, 0] - first.shift_mm[0]) > _RIVAL_DISTANCE_MM
+    if not first.credible or not away.any():
+        return (first,) if first.credible else ()
+    second = _peak(shifts[away], few, template)
+    rival = second.credible and second.share >= _RIVAL_SHARE * first.share
+    return (first, second) if rival else (first,)
+
+
+def _agrees(few: Voters, template: Template, chosen: FloatArray) -> FloatArray:
+    """Which point may lie on which template point, shape (N, M)."""
+    tangent, outward = template.tangent[chosen], template.outward[chosen]
+    sine = few.tangent[:, :1] * tangent[:, 1] - few.tangent[:, 1:] * tangent[:, 0]
+    return (np.abs(sine) < _SIN_TANGENT) & (few.to_camera @ outward.T > 0.0)
+
+
+def _peak(shifts: FloatArray, few: Voters, template: Template) -> Sighting:
+    low = shifts.min(axis=0)
+    cell = np.floor((shifts - low) / _CELL_MM).astype(np.int64)
+    size = cell.max(axis=0) + 1
+    votes = np.bincount(cell[:, 0] * size[1] + cell[:, 1], minlength=int(size.prod()))
+    smooth = uniform_filter(votes.reshape(size).astype(np.float64), 3, mode="constant")
+    best = np.array(np.unravel_index(np.argmax(smooth), smooth.shape))
+    inside = (np.abs(cell - best) <= 1).all(axis=1)
+    return _support(np.median(shifts[inside], axis=0), few, template)
+
+
+def _support(shift_mm: FloatArray, few: Voters, template: Template) -> Sighting:
+    """Count which flange points of the template have a fitting point near."""
+    chosen = template.flange()[::_EVERY]
+    gap = few.points_mm[:, None] - shift_mm - template.points_mm[chosen]
+    near = (np.abs(gap) < _SUPPORT_MM).all(axis=2) & _agrees(few, template, chosen)
+    supported = near.any(axis=0)
+    of_tip = np.abs(template.along_mm[chosen] - template.along_mm[template.tip]) < 8.0
+    return Sighting(shift_mm, float(supported.mean()), float(supported[of_tip].mean()))

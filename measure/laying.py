@@ -1,0 +1,182 @@
+"""A stripe laid over the reference by the survey of the installation: which points, and where."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib import Cause, FloatArray, LaserSensor
+from measure.axle import Axle, solve_axle
+from measure.cleaning import Kept, keep_wheel
+from measure.flange import Voters, find_flanges
+from measure.mounting import Mounting
+from measure.registration import refine_shift
+from measure.section import AxleMap, Section, SheetPoints, radial_place_mm
+from measure.template import Template
+
+MIN_WHEEL_POINTS = 60
+_MIN_TREAD_POINTS = 20
+_TREAD_HALF_MM = 12.0
+_AXLE_ROUNDS = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unmeasured:
+    """A picture that gives no reading, and why."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Laid:
+    """The points of one wheel, in order, laid over the reference.
+
+    Attributes
+    ----------
+    sheet, section
+        The points kept, from the flange back to the field side.
+    shift_mm
+        (y, z) of the reference = (a, r) - shift.
+    along_mm
+        Shape (N,), place along the reference.
+    noise_factor
+        How much more a mean of points scatters than their sigmas say.
+    left_out
+        How many points of the picture were left out for which cause.
+    once_mm, shared_mm
+        Shape (N, 2, P), (N, 2, Q): what the installation lets the points do, one sigma each,
+        afresh in every picture and the same in all.
+    axle_offset_mm, sheet_yaw_rad
+        How oblique the cut is; None where the axle is not known.
+    """
+
+    sheet: SheetPoints
+    section: Section
+    shift_mm: FloatArray
+    along_mm: FloatArray
+    noise_factor: float
+    left_out: Mapping[Cause, int]
+    once_mm: FloatArray
+    shared_mm: FloatArray
+    axle_offset_mm: float | None
+    sheet_yaw_rad: float | None
+
+
+def lay_by_axle(
+    sheet: SheetPoints, sensor: LaserSensor, mounting: Mounting, template: Template
+) -> Laid | Unmeasured:
+    """Lay a stripe over the reference with the survey's directions and the axle it shows."""
+    radial_x = radial_place_mm(sensor, mounting, sheet.points_in_cam_mm)
+    axle = Axle(radial_x, mounting.wheel_radius_mm, np.zeros((2, 2)))
+    section = Section.of(sheet, axle.map(mounting))
+    shift = place_of_flange(section, template)
+    if isinstance(shift, Unmeasured):
+        return shift
+    kept = keep(section, sheet, shift, template)
+    if isinstance(kept, Unmeasured):
+        return kept
+    wheel = sheet.select(kept.index)
+    for _ in range(_AXLE_ROUNDS):
+        section = Section.of(wheel, axle.map(mounting))
+        shift = refine_shift(section.points_mm, shift, template)
+        tread = _tread_in_rig(wheel, section, shift, mounting)
+        if tread is None:
+            return Unmeasured(
+                "half a wheel: the tread near the tape circle is not seen; look at the field of view"
+            )
+        axle = solve_axle(tread, mounting, radial_x)
+    section_map = axle.map(mounting)
+    section = Section.of(wheel, section_map)
+    shift = refine_shift(section.points_mm, shift, template)
+    outward = section_map.outward_in_rig(wheel.points_in_cam_mm)[:, [0, 2]]
+    once, radius = _axle_motions(outward, axle)
+    tilts = _tilt_motions(outward, section.points_mm - shift, mounting)
+    offset, yaw = _obliqueness(sensor, section_map, sheet)
+    return Laid(
+        sheet=wheel,
+        section=section,
+        shift_mm=shift,
+        along_mm=kept.along_mm,
+        noise_factor=kept.noise_factor,
+        left_out=counted(kept.causes),
+        once_mm=once,
+        shared_mm=np.concatenate([radius, tilts], axis=2),
+        axle_offset_mm=offset,
+        sheet_yaw_rad=yaw,
+    )
+
+
+def place_of_flange(section: Section, template: Template) -> FloatArray | Unmeasured:
+    """Return the shift that lays a section's one flange over the reference, roughly."""
+    voters = Voters(section.points_mm, section.tangent, section.to_camera)
+    flanges = find_flanges(voters, template)
+    if not flanges:
+        return Unmeasured(
+            f"no wheel: nothing like a flange among {len(section.points_mm)} stripe points"
+        )
+    if len(flanges) > 1:
+        first, second = (flange.shift_mm[0] for flange in flanges)
+        return Unmeasured(
+            f"two wheels: flanges {abs(first - second):.0f} mm apart in one picture; one is allowed"
+        )
+    return refine_shift(section.points_mm, flanges[0].shift_mm, template)
+
+
+def keep(
+    section: Section, sheet: SheetPoints, shift_mm: FloatArray, template: Template
+) -> Kept | Unmeasured:
+    """Return the points that are the wheel."""
+    kept = keep_wheel(
+        section.points_mm - shift_mm, section.sigma_mm, sheet.stripe.centre_px, template
+    )
+    if len(kept.index) < MIN_WHEEL_POINTS:
+        return Unmeasured(
+            f"no wheel: {len(kept.index)} of {len(sheet)} stripe points make a profile, "
+            f"{MIN_WHEEL_POINTS} needed"
+        )
+    return kept
+
+
+def counted(causes: tuple[Cause, ...]) -> dict[Cause, int]:
+    """Count the points that were left out by cause."""
+    return {cause: n for cause, n in Counter(causes).items() if cause is not Cause.NONE}
+
+
+def _tread_in_rig(
+    wheel: SheetPoints, section: Section, shift_mm: FloatArray, mounting: Mounting
+) -> FloatArray | None:
+    """Return (x, z) in the rig where the sheet meets the tape circle, or None if that hides."""
+    y = section.points_mm[:, 0] - shift_mm[0]
+    near = np.abs(y) < _TREAD_HALF_MM
+    if near.sum() < _MIN_TREAD_POINTS or not (y[near].min() < 0.0 < y[near].max()):
+        return None
+    in_rig = mounting.rig_from_camera.apply(wheel.points_in_cam_mm[near])
+    weight = 1.0 / section.sigma_mm[near]
+    return np.array([np.polyfit(y[near], in_rig[:, axis], 1, w=weight)[1] for axis in (0, 2)])
+
+
+def _axle_motions(outward: FloatArray, axle: Axle) -> tuple[FloatArray, FloatArray]:
+    """Split what is not known of the axle: its place in this picture, and the wheel's radius."""
+    sigma_radius = np.sqrt(axle.covariance[1, 1])
+    by_radius = axle.covariance[:, 1] / sigma_radius
+    rest = np.sqrt(max(axle.covariance[0, 0] - by_radius[0] ** 2, 0.0))
+    place, radius = -outward[:, :1] * rest, -outward @ by_radius[:, None]
+    still = np.zeros_like(place)
+    return np.stack([still, place], axis=1), np.stack([still, radius], axis=1)
+
+
+def _tilt_motions(outward: FloatArray, places_mm: FloatArray, mounting: Mounting) -> FloatArray:
+    """Turn the section about the tape circle, as an axle that is not along rig y does."""
+    y, z = places_mm.T
+    tilts = outward * mounting.sigma_axle_direction_rad
+    return np.stack([z[:, None] * tilts, -y[:, None] * tilts], axis=1)
+
+
+def _obliqueness(
+    sensor: LaserSensor, section_map: AxleMap, sheet: SheetPoints
+) -> tuple[float, float]:
+    normal = section_map.rig_from_camera.rotation @ sensor.plane.normal_in_cam
+    middle = np.median(section_map.rig_from_camera.apply(sheet.points_in_cam_mm), axis=0)
+    axle = np.array([section_map.axle_x_mm, middle[1], section_map.axle_z_mm])
+    return abs(float(normal @ (axle - middle))), float(np.arcsin(abs(normal[1])))

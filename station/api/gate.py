@@ -1,0 +1,52 @@
+"""Which keys are good."""
+
+import secrets
+from typing import Final
+
+from station.errors import InputUnusable, KeyRefused
+from station.operations import Station
+from station.store import Caller, Scope, caller_of, digest
+
+_SHORTEST_KEY: Final = 32
+
+
+class Gate:
+    """Lets callers with a good key through.
+
+    Parameters
+    ----------
+    admin_key
+        A key that is good besides those of the store, from the environment of an automation.
+
+    Raises
+    ------
+    InputUnusable
+        If that key is so short that it could be guessed.
+    """
+
+    def __init__(self, station: Station, admin_key: str | None) -> None:
+        if admin_key is not None and not len(admin_key) >= _SHORTEST_KEY:
+            raise InputUnusable(
+                f"STATION_ADMIN_KEY has {len(admin_key)} characters; "
+                f"give a random one of {_SHORTEST_KEY} or more"
+            )
+        self._station = station
+        self._admin_sha256 = None if admin_key is None else digest(admin_key)
+
+    def admit(self, key: str) -> Caller:
+        """Return whose key it is.
+
+        Raises
+        ------
+        KeyRefused
+            If it is nobody's, expired or revoked.
+        """
+        if self._admin_sha256 is not None and secrets.compare_digest(
+            digest(key), self._admin_sha256
+        ):
+            return Caller("environment", frozenset({Scope.ADMIN}))
+        with self._station.store.look() as session:
+            caller = caller_of(session, key, at=self._station.now())
+        if caller is None:
+            raise KeyRefused("the station does not accept this key; ask its administrator for one")
+        return caller

@@ -1,0 +1,134 @@
+"""Errors as problem documents (RFC 9457): the one place that knows which error is which status."""
+
+import structlog
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel
+from starlette.exceptions import HTTPException
+
+from calib import CalibError
+from station import errors
+
+_log = structlog.get_logger()
+_MEDIA_TYPE = "application/problem+json"
+_RETRY_AFTER_S = 5
+
+STATUS_OF: dict[type[Exception], int] = {
+    CalibError: 422,
+    errors.AccessRefused: 403,
+    errors.CameraError: 503,
+    errors.DiskFull: 507,
+    errors.InputUnusable: 422,
+    errors.KeyRefused: 401,
+    errors.NotFound: 404,
+    errors.NothingMeasurable: 422,
+    errors.RecordingError: 500,
+    errors.RecordingUnreadable: 422,
+    errors.StateConflict: 409,
+    errors.StationError: 500,
+    errors.VersionConflict: 412,
+    errors.VersionMissing: 428,
+}
+
+
+class Problem(BaseModel):
+    """What went wrong, for people in `detail` and for programs in the rest."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str
+    state: str | None = None
+    """The present state, where that is what forbids the call."""
+
+
+def status_of(error: Exception) -> int:
+    """Return the status of the nearest listed ancestor of an error."""
+    return next(STATUS_OF[cls] for cls in type(error).__mro__ if cls in STATUS_OF)
+
+
+PROBLEMS: dict[int | str, dict[str, object]] = {
+    "default": {
+        "description": "What went wrong.",
+        "content": {_MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}},
+    }
+}
+"""What every operation may answer; for its routes' `responses`."""
+
+
+def answer_with_problems(app: FastAPI) -> None:
+    """Have every error of an app answered by a problem document."""
+
+    async def known(request: Request, error: Exception) -> JSONResponse:
+        return _answer(
+            request,
+            status=status_of(error),
+            name=type(error).__name__,
+            detail=str(error),
+            state=getattr(error, "state", None),
+        )
+
+    app.add_exception_handler(errors.StationError, known)
+    app.add_exception_handler(CalibError, known)
+    app.add_exception_handler(RequestValidationError, _answer_invalid)
+    app.add_exception_handler(HTTPException, _answer_http)
+    app.add_exception_handler(Exception, _answer_unknown)
+
+
+async def _answer_invalid(request: Request, error: Exception) -> JSONResponse:
+    found = error.errors() if isinstance(error, RequestValidationError) else []
+    lines = [f"{'.'.join(str(part) for part in each['loc'])}: {each['msg']}" for each in found]
+    return _answer(request, status=422, name="RequestInvalid", detail="; ".join(lines))
+
+
+async def _answer_http(request: Request, error: Exception) -> JSONResponse:
+    status, detail, headers = 500, "", None
+    if isinstance(error, HTTPException):
+        status, detail, headers = error.status_code, error.detail, error.headers
+    path = request.url.path
+    lines = {404: f"{path}: no such address", 405: f"{path}: not by {request.method}"}
+    answer = _answer(request, status=status, name="HttpError", detail=lines.get(status, detail))
+    answer.headers.update(headers or {})
+    return answer
+
+
+async def _answer_unknown(request: Request, error: Exception) -> JSONResponse:
+    _log.error("request failed unexpectedly", path=request.url.path, exc_info=error)
+    return _answer(
+        request,
+        status=500,
+        name="InternalError",
+        detail="the station failed unexpectedly; its log says more",
+    )
+
+
+def _answer(
+    request: Request, *, status: int, name: str, detail: str, state: str | None = None
+) -> JSONResponse:
+    problem = Problem(
+        type=f"urn:treadline:problem:{name}",
+        title=_words(name),
+        status=status,
+        detail=detail,
+        instance=request.url.path,
+        state=state,
+    )
+    headers = {401: {"WWW-Authenticate": "Bearer"}, 503: {"Retry-After": str(_RETRY_AFTER_S)}}
+    return JSONResponse(
+        problem.model_dump(exclude_none=True),
+        status_code=status,
+        media_type=_MEDIA_TYPE,
+        headers=headers.get(status),
+    )
+
+
+def _words(name: str) -> str:
+    """Return the name of a class as words.
+
+    >>> _words("StateConflict")
+    'State conflict'
+    """
+    spaced = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in name)
+    return spaced.strip().capitalize()

@@ -1,0 +1,46 @@
+"""What the trackside controller calls."""
+
+from fastapi import APIRouter, Response
+
+from station.api.callers import Operator, Reader
+from station.api.models import (
+    FinishRequest,
+    IdInPath,
+    MeasurementModel,
+    PassModel,
+    PassRequest,
+    WheelsModel,
+)
+from station.api.parts import PartsOf
+
+router = APIRouter(prefix="/v1/passes/{pass_id}", tags=["passes"])
+
+
+@router.put("", responses={201: {"model": PassModel}})
+def put_pass(
+    pass_id: IdInPath, body: PassRequest, parts: PartsOf, _: Operator, response: Response
+) -> PassModel:
+    """Arm every sensor and record: a train comes.  A second time changes nothing."""
+    view, new = parts.passes.open(pass_id, train=body.train)
+    response.status_code = 201 if new else 200
+    return PassModel.of(view)
+
+
+@router.post("/finish")
+def finish_pass(pass_id: IdInPath, body: FinishRequest, parts: PartsOf, _: Operator) -> PassModel:
+    """Close, hold the frames against the count, have them measured: the train has gone."""
+    return PassModel.of(parts.passes.finish(pass_id, axles=body.axles, triggers=body.triggers))
+
+
+@router.get("")
+def get_pass(pass_id: IdInPath, parts: PartsOf, _: Reader) -> PassModel:
+    """Return the state of a pass and how its frames add up."""
+    return PassModel.of(parts.passes.view(pass_id))
+
+
+@router.get("/wheels")
+def get_wheels(pass_id: IdInPath, parts: PartsOf, _: Reader) -> WheelsModel:
+    """Return the wheels of a pass, those measured so far."""
+    state = parts.passes.view(pass_id).row.state
+    wheels = [MeasurementModel.of(row) for row in parts.passes.wheels(pass_id)]
+    return WheelsModel(pass_id=pass_id, state=state, wheels=wheels)

@@ -1,0 +1,33 @@
+"""What was measured."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from station.api.callers import Reader
+from station.api.models import CallersId, Limit, MeasurementModel, MeasurementsPage
+from station.api.parts import PartsOf
+from station.settings import SensorId
+from station.store import measurements_page
+
+router = APIRouter(prefix="/v1/measurements", tags=["measurements"])
+
+_LARGEST_ID = 2**63 - 1
+
+
+@router.get("")
+def list_measurements(
+    parts: PartsOf,
+    _: Reader,
+    limit: Limit = 100,
+    after: Annotated[int, Query(ge=0, le=_LARGEST_ID, description="`next` of a page.")] = 0,
+    pass_id: Annotated[CallersId | None, Query(alias="pass")] = None,
+    sensor: SensorId | None = None,
+) -> MeasurementsPage:
+    """Return measurements in the order they were made."""
+    with parts.station.store.look() as session:
+        page = measurements_page(session, limit=limit, after=after, pass_id=pass_id, sensor=sensor)
+    return MeasurementsPage(
+        measurements=[MeasurementModel.of(row) for row in page.rows],
+        next=page.rows[-1].id if page.more else None,
+    )

@@ -1,0 +1,52 @@
+"""The station and its sensors."""
+
+import shutil
+
+from fastapi import APIRouter
+
+from station.api.callers import Reader
+from station.api.models import SensorModel, StationModel
+from station.api.parts import PartsOf
+from station.errors import StationError
+from station.operations import Station
+from station.settings import SensorSettings
+from station.software import SOFTWARE
+from station.store import active, pass_in_progress
+
+router = APIRouter(prefix="/v1", tags=["station"])
+
+
+@router.get("/station")
+def get_station(parts: PartsOf, _: Reader) -> StationModel:
+    """Return the sensors and their states, the version, the space on the disk."""
+    station = parts.station
+    disk = shutil.disk_usage(station.layout.root)
+    with station.store.look() as session:
+        running = pass_in_progress(session)
+    return StationModel(
+        name=station.settings.name,
+        software=SOFTWARE,
+        reference=station.settings.reference,
+        sensors=[_sensor(station, sensor) for sensor in station.sensors],
+        pass_in_progress=running.id if running else None,
+        worker_ready=parts.worker_ready(),
+        disk_free_bytes=disk.free,
+        disk_total_bytes=disk.total,
+    )
+
+
+def _sensor(station: Station, sensor: SensorSettings) -> SensorModel:
+    try:
+        state, problem = str(station.captures[sensor.id].status().state), None
+    except StationError as error:
+        state, problem = "unreachable", str(error)
+    with station.store.look() as session:
+        activation = active(session, sensor.id)
+    return SensorModel(
+        id=sensor.id,
+        side=sensor.side,
+        address=sensor.address,
+        state=state,
+        problem=problem,
+        active_calibration=activation.calibration_id if activation else None,
+    )

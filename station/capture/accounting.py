@@ -1,0 +1,103 @@
+"""Counting frames by their ids: what was recorded, lost, refused, repeated.
+
+The driver's own counters hide loss: a receiver that slept for a second lost sixteen frames with
+every buffer's status a success.  Only the ids tell.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from station.recording import Event, EventKind, id_after, ids_skipped
+
+_PLAUSIBLE_FIRST_LOSS = 1000
+"""A first id up to here is a loss at the start; beyond, a counter that began before."""
+
+
+@dataclass(slots=True)
+class FrameAccount:
+    """The account of one recording; every difference becomes an event.
+
+    `recorded` counts what the recorder has confirmed, the rest what was seen to arrive.
+    """
+
+    now_ns: Callable[[], int]
+    note: Callable[[Event], None]
+    """Takes each event as it happens."""
+    arrived: int = 0
+    """Frames that arrived whole and in order."""
+    recorded: int = 0
+    lost: int = 0
+    refused: int = 0
+    repeated: int = 0
+    _last_id: int | None = field(default=None, init=False)
+
+    @property
+    def accounted(self) -> int:
+        """Frames whose fate is known, or that are on their way to the disk."""
+        return self.arrived + self.lost + self.refused
+
+    def arrive(self, frame_id: int, flaw: str | None) -> bool:
+        """Take a frame into account; return whether it is to be recorded.
+
+        Parameters
+        ----------
+        frame_id
+            As the camera numbers them.
+        flaw
+            Why the frame is incomplete; None where it is whole.
+        """
+        skipped = self._skipped(frame_id)
+        if skipped is None:
+            self.repeated += 1
+            self._say(EventKind.FRAME_REPEATED, frame_id, 1, f"after frame {self._last_id}")
+            return False
+        if skipped:
+            self.lost += skipped
+            first = id_after(frame_id - skipped) if self._last_id is None else None
+            first = first or id_after(self._last_id or 0)
+            self._say(EventKind.FRAMES_LOST, first, skipped, f"before frame {frame_id}")
+        self._last_id = frame_id
+        if flaw is not None:
+            self.refused += 1
+            self._say(EventKind.FRAME_REFUSED, frame_id, 1, flaw)
+            return False
+        self.arrived += 1
+        return True
+
+    def confirm(self, *, written: bool, frame_id: int, reason: str = "") -> None:
+        """Take into account what became of a frame that arrived."""
+        if written:
+            self.recorded += 1
+            return
+        self.arrived -= 1
+        self.lost += 1
+        self._say(EventKind.FRAMES_DROPPED, frame_id, 1, reason)
+
+    def begin_again(self) -> None:
+        """The camera was opened again; it numbers its frames anew."""
+        self._last_id = None
+
+    def reconcile(self, triggered: int | None) -> None:
+        """Compare with the number of exposures that somebody else counted."""
+        if triggered is None or triggered == self.accounted:
+            return
+        if triggered > self.accounted:
+            missing = triggered - self.accounted
+            self.lost += missing
+            detail = f"{triggered} triggered, {missing} of them without a trace"
+            self._say(EventKind.FRAMES_MISCOUNTED, None, missing, detail)
+        else:
+            detail = f"{triggered} triggered, {self.accounted} frames came"
+            self._say(EventKind.FRAMES_MISCOUNTED, None, 0, detail)
+
+    def _skipped(self, frame_id: int) -> int | None:
+        if self._last_id is not None:
+            return ids_skipped(self._last_id, frame_id)
+        # GigE Vision: the first block of a stream that was just opened is 1.
+        if frame_id - 1 <= _PLAUSIBLE_FIRST_LOSS:
+            return frame_id - 1
+        self._say(EventKind.COUNTER_OFFSET, frame_id, 0, "a loss before it cannot be told")
+        return 0
+
+    def _say(self, kind: EventKind, frame_id: int | None, count: int, detail: str) -> None:
+        self.note(Event(kind, self.now_ns(), detail, frame_id, count))

@@ -1,0 +1,193 @@
+"""The capture process's side of its recorder: orders out, answers in, and a new one when it dies."""
+
+import json
+import socket
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any
+
+from station import errors
+from station.capture.plan import RecordingPlan
+from station.capture.ring import Ring
+from station.errors import RecordingError, StationError
+from station.recording import Event
+
+_START_TIMEOUT_S = 20.0
+_FINISH_TIMEOUT_S = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class FrameEntry:
+    """A frame that waits in the ring to be written."""
+
+    slot: int
+    frame_id: int
+    camera_time_ns: int
+    host_time_ns: int
+    width: int
+    height: int
+
+    def order(self) -> dict[str, Any]:
+        """Return the order to write it."""
+        names = ("slot", "frame_id", "camera_time_ns", "host_time_ns", "width", "height")
+        return {"do": "frame", **{name: getattr(self, name) for name in names}}
+
+
+Entry = FrameEntry | Event
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of an entry: it is in the file, or why not."""
+
+    entry: Entry
+    failure: StationError | None = None
+
+
+class RecorderDied(Exception):
+    """The recorder's process is gone."""
+
+
+class RecorderLink:
+    """A recorder process and the entries it has not yet confirmed.
+
+    The recorder writes in the order it is told, and what it wrote survives it.  So when it dies, the
+    number of entries in the file tells which of those on the way are still to be written; they lie
+    in the ring, and another recorder writes them.
+    """
+
+    def __init__(self, ring: Ring) -> None:
+        self._ring = ring
+        self._pending: deque[Entry] = deque()
+        self._confirmed = 0
+        self._opening: dict[str, Any] = {}
+        self._start()
+
+    @property
+    def pid(self) -> int:
+        """Process id of the recorder."""
+        return self._process.pid
+
+    @property
+    def pending(self) -> int:
+        """Entries on their way to the file."""
+        return len(self._pending)
+
+    def open(self, plan: RecordingPlan, metadata: Mapping[str, Mapping[str, str]]) -> None:
+        """Begin a recording; raises what the recorder says of its path."""
+        self._pending.clear()
+        self._confirmed = 0
+        self._opening = {
+            "do": "open",
+            "path": str(plan.path),
+            "sensor": plan.sensor,
+            "metadata": {name: dict(values) for name, values in metadata.items()},
+            "attachments": {name: content.hex() for name, content in plan.attachments.items()},
+        }
+        if self._process.poll() is not None:  # it died while there was nothing to do
+            self._close()
+            self._start()
+        self._ask({**self._opening, "resume": False}, _START_TIMEOUT_S)
+
+    def put(self, entry: Entry) -> None:
+        """Order an entry to be written."""
+        self._pending.append(entry)
+        self._order(entry)
+
+    def outcomes(self, timeout_s: float = 0.0) -> Iterator[Outcome]:
+        """Yield what has become of entries since the last call."""
+        while self._pending and self._has_answer(timeout_s):
+            answer = self._receive()
+            entry = self._pending.popleft()
+            if "written" in answer:
+                self._confirmed += 1
+                yield Outcome(entry)
+            else:
+                yield Outcome(entry, _error(answer))
+
+    def restart(self) -> tuple[Outcome, ...]:
+        """Start another recorder that goes on with the file.
+
+        Returns
+        -------
+        outcomes
+            Entries that were in the file, though the recorder died before it said so.
+        """
+        self._close()
+        self._start()
+        written = self._ask({**self._opening, "resume": True}, _START_TIMEOUT_S)["opened"]
+        unsaid = max(0, written - self._confirmed)
+        outcomes = tuple(Outcome(self._pending.popleft()) for _ in range(unsaid))
+        self._confirmed += unsaid
+        for entry in self._pending:
+            self._order(entry)
+        return outcomes
+
+    def finish(self, accounting: Mapping[str, str]) -> dict[str, Any]:
+        """Finish the recording; all entries must have been answered."""
+        answer = self._ask({"do": "finish", "accounting": dict(accounting)}, _FINISH_TIMEOUT_S)
+        return dict(answer["finished"])
+
+    def close(self) -> None:
+        """End the recorder; an unfinished recording is finished by it."""
+        self._close()
+
+    def _start(self) -> None:
+        ours, theirs = socket.socketpair()
+        descriptors = (theirs.fileno(), self._ring.descriptor)
+        arguments = [*map(str, descriptors), str(self._ring.slot_bytes)]
+        command = [sys.executable, "-m", "station.capture.recorder", *arguments]
+        self._process = subprocess.Popen(command, pass_fds=descriptors)  # noqa: S603  our own code
+        theirs.close()
+        self._link = Connection(ours.detach())
+
+    def _close(self) -> None:
+        self._link.close()
+        self._process.wait(_FINISH_TIMEOUT_S)
+
+    def _order(self, entry: Entry) -> None:
+        if isinstance(entry, FrameEntry):
+            self._send(entry.order())
+        else:
+            self._send({"do": "event", "event": entry.to_json()})
+
+    def _ask(self, order: dict[str, Any], timeout_s: float) -> dict[str, Any]:
+        self._send(order)
+        if not self._has_answer(timeout_s):
+            raise RecordingError(
+                f"the recorder did not answer within {timeout_s:.0f} s; is the disk stuck?"
+            )
+        answer = self._receive()
+        if "failed" in answer:
+            raise _error(answer)
+        return answer
+
+    def _send(self, order: dict[str, Any]) -> None:
+        try:
+            self._link.send_bytes(json.dumps(order).encode())
+        except OSError as error:
+            raise RecorderDied from error
+
+    def _has_answer(self, timeout_s: float) -> bool:
+        try:
+            return self._link.poll(timeout_s)
+        except OSError as error:
+            raise RecorderDied from error
+
+    def _receive(self) -> dict[str, Any]:
+        try:
+            return dict(json.loads(self._link.recv_bytes()))
+        except (EOFError, OSError) as error:
+            raise RecorderDied from error
+
+
+def _error(answer: Mapping[str, str]) -> StationError:
+    """Return the station's error that an answer names."""
+    kind = getattr(errors, answer["failed"], RecordingError)
+    error: StationError = kind(answer["message"])
+    return error

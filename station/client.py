@@ -1,0 +1,126 @@
+"""The calls a trackside controller makes, in Python; `README.md` shows the same with curl."""
+
+import time
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
+from typing import Any
+from urllib.parse import quote
+
+import httpx
+
+from station.errors import StationError
+
+_ENDED = {"done", "failed", "recovered", "cancelled"}
+_POLL_S = 0.1
+
+Answer = dict[str, Any]
+
+
+class CallRefused(StationError):
+    """The station refused a call; the message is the detail of its problem document."""
+
+    def __init__(self, status: int, detail: str) -> None:
+        super().__init__(f"HTTP {status}: {detail}")
+        self.status = status
+
+
+class StationClient:
+    """A connection to one station.
+
+    Raises `CallRefused` for every answer that is a refusal, httpx errors where nobody answers.
+    """
+
+    def __init__(self, http: httpx.Client) -> None:
+        self._http = http
+
+    @classmethod
+    @contextmanager
+    def connect(cls, url: str, key: str, *, timeout_s: float = 30.0) -> Generator["StationClient"]:
+        """Open a connection with a key of the station."""
+        headers = {"Authorization": f"Bearer {key}"}
+        with httpx.Client(base_url=url, headers=headers, timeout=timeout_s) as http:
+            yield cls(http)
+
+    def ready(self) -> bool:
+        """Tell whether the station and all its parts are ready; False where nobody answers."""
+        try:
+            return self._http.get("/readyz").status_code == httpx.codes.OK
+        except httpx.TransportError:
+            return False
+
+    def arm_pass(self, pass_id: str, *, train: str | None = None) -> Answer:
+        """Say that a train comes; the same call twice is one pass."""
+        return self._call("PUT", f"/v1/passes/{_part(pass_id)}", {"train": train})
+
+    def finish_pass(self, pass_id: str, *, triggers: Mapping[str, int]) -> Answer:
+        """Say that the train has gone, and how often each sensor was triggered."""
+        body = {"triggers": dict(triggers)}
+        return self._call("POST", f"/v1/passes/{_part(pass_id)}/finish", body)
+
+    def wheels(self, pass_id: str) -> list[Answer]:
+        """Return the measured wheels of a pass."""
+        wheels: list[Answer] = self._call("GET", f"/v1/passes/{_part(pass_id)}/wheels")["wheels"]
+        return wheels
+
+    def await_pass(self, pass_id: str, *, timeout_s: float) -> Answer:
+        """Wait until a pass is measured, and return it."""
+        return self._await(f"/v1/passes/{_part(pass_id)}", timeout_s)
+
+    def open_calibration_session(self, session_id: str, *, sensor: str, target: str) -> Answer:
+        """Have a sensor wait for pictures of a target."""
+        body = {"sensor": sensor, "target": target}
+        return self._call("PUT", f"/v1/calibration-sessions/{_part(session_id)}", body)
+
+    def capture(self, session_id: str) -> Answer:
+        """Take one picture of the target."""
+        return self._call("POST", f"/v1/calibration-sessions/{_part(session_id)}/capture")
+
+    def finish_calibration_session(self, session_id: str) -> Answer:
+        """Close the recording of a session."""
+        return self._call("POST", f"/v1/calibration-sessions/{_part(session_id)}/finish")
+
+    def calibrate(self, *, sensor: str, session: str, method: str, timeout_s: float) -> Answer:
+        """Have a sensor calibrated from a session, wait, and return the calibration."""
+        body = {"sensor": sensor, "session": session, "method": method}
+        ordered = self._call("POST", "/v1/calibrations", body)
+        self._await(f"/v1/jobs/{_part(ordered['job'])}", timeout_s)
+        return self._call("GET", f"/v1/calibrations/{_part(ordered['id'])}")
+
+    def activate(self, *, sensor: str, calibration: str) -> Answer:
+        """Bring a first calibration into force on a sensor."""
+        return self._call(
+            "PUT",
+            f"/v1/sensors/{_part(sensor)}/active-calibration",
+            {"calibration": calibration},
+            headers={"If-None-Match": "*"},
+        )
+
+    def _await(self, path: str, timeout_s: float) -> Answer:
+        deadline = time.monotonic() + timeout_s
+        while True:
+            answer = self._call("GET", path)
+            if answer["state"] in _ENDED:
+                return answer
+            if time.monotonic() > deadline:
+                raise StationError(
+                    f"{path} is still {answer['state']} after {timeout_s:g} s; look at the "
+                    "station's log, or wait longer"
+                )
+            time.sleep(_POLL_S)
+
+    def _call(
+        self,
+        method: str,
+        path: str,
+        body: Answer | None = None,
+        headers: Mapping[str, str] | None = None,
+    ) -> Answer:
+        reply = self._http.request(method, path, json=body, headers=headers)
+        answer: Answer = reply.json()
+        if reply.is_error:
+            raise CallRefused(reply.status_code, str(answer.get("detail", answer)))
+        return answer
+
+
+def _part(name: str) -> str:
+    return quote(name, safe="")

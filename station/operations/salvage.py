@@ -1,0 +1,42 @@
+"""Making whole what a capture process left when it died."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from station.errors import InputUnusable, StateConflict
+from station.operations.collaborators import Salvaged
+from station.recording import active_path, info, recover
+
+_PATIENCE_S = 15.0
+_PAUSE_S = 0.1
+
+
+def salvage_recording(path: Path, sleep: Callable[[float], None] = time.sleep) -> Salvaged | None:
+    """Return what is recorded under a path, finished where it was not; None where nothing is.
+
+    The recorder of a dead capture process closes the file by itself: as long as it is at it, it
+    is waited for.
+
+    Raises
+    ------
+    StateConflict
+        If the file is still being written after 15 s.
+    InputUnusable, RecordingError
+        If nothing can be read from it.
+    """
+    for _ in range(int(_PATIENCE_S / _PAUSE_S)):
+        if not active_path(path).exists():
+            break
+        try:
+            recover(active_path(path))
+        except StateConflict:
+            sleep(_PAUSE_S)
+        except InputUnusable:
+            if not path.exists():
+                raise
+            # The recorder gave the file its name between the look and the call.
+    if not path.exists():
+        return None
+    frames = sum(sensor.frames for sensor in info(path).sensors)
+    return Salvaged(frames=frames, summary=f"{frames} frames saved")

@@ -1,0 +1,32 @@
+"""Rendered scenes with known truth: a target, a wheel, a cylinder before the paper's sensor.
+
+Physics rather than stickers: distortion, discs, a light sheet of Gaussian thickness, defocus,
+flare, speckle, shot and read noise, saturation.
+"""
+
+from station.scenes.detector import Detector
+from station.scenes.installation import paper_sensor, projector_in_cam_mm, trackside_mounting
+from station.scenes.light import Light
+from station.scenes.optics import Lens
+from station.scenes.physics import Physics
+from station.scenes.poses import pose_through_dots, target_poses, target_scenes
+from station.scenes.target_scene import TargetScene
+from station.scenes.wheel_scene import WheelScene
+from station.scenes.wheel_truth import TrueReadings, WheelTruth
+
+__all__ = [
+    "Detector",
+    "Lens",
+    "Light",
+    "Physics",
+    "TargetScene",
+    "TrueReadings",
+    "WheelScene",
+    "WheelTruth",
+    "paper_sensor",
+    "pose_through_dots",
+    "projector_in_cam_mm",
+    "target_poses",
+    "target_scenes",
+    "trackside_mounting",
+]

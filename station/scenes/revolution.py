@@ -1,0 +1,204 @@
+"""A turned body: where a sheet cuts it, what hides what, and what a ray meets first."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from calib import FloatArray, LightPlane, RigidTransform
+from station.scenes.wheel_truth import WheelProfile
+
+_TABLE_STEP_MM = 0.02
+# How far along a line of sight something may stand in the way: the flange is 30 mm high.
+_SIGHT_MM = np.geomspace(0.3, 150.0, 48)
+_INTO_MM = np.arange(0.0, 240.0, 8.0)
+_SKIN_MM = 0.02  # a point on the surface does not hide itself for being rounded into it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Section:
+    """The strip of surface around the line in which a sheet cuts the body.
+
+    Rows of the grid follow the profile, columns go from one side of the sheet to the other.
+
+    Attributes
+    ----------
+    points_in_cam_mm, normals_in_cam
+        Shape (S, Q, 3).
+    place
+        Shape (S,): index of each row in the profile.
+    """
+
+    points_in_cam_mm: FloatArray
+    normals_in_cam: FloatArray
+    place: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Revolution:
+    """A profile turned around an axle.
+
+    Attributes
+    ----------
+    profile
+        The outline; its z is counted from `radius_mm`.
+    radius_mm
+        Distance of z = 0 from the axle.
+    cam_from_axle
+        Pose of the axle: y along it as in the profile, origin on the axle at y = 0.
+    """
+
+    profile: WheelProfile
+    radius_mm: float
+    cam_from_axle: RigidTransform
+    _table_start_mm: float = field(init=False)
+    _radii_mm: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        y, z = self.profile.points_mm.T
+        grid = np.arange(y.min(), y.max() + _TABLE_STEP_MM, _TABLE_STEP_MM)
+        # The faces at both ends are upright: of their points only the outermost counts.
+        first, last = int(np.argmax(y > y.min())) - 1, len(y) - int(np.argmax(y[::-1] < y.max()))
+        front = slice(first, last + 1)
+        radii = self.radius_mm + np.interp(grid, y[front], z[front])
+        object.__setattr__(self, "_table_start_mm", float(grid[0]))
+        object.__setattr__(self, "_radii_mm", radii)
+
+    def section(self, plane: LightPlane, source_in_cam_mm: FloatArray, q_mm: FloatArray) -> Section:
+        r"""Cut the body with a sheet and with its parallels.
+
+        Parameters
+        ----------
+        plane
+            The sheet, camera frame.
+        source_in_cam_mm
+            Shape (3,): of the two cuts through the body, the one on this side is taken.
+        q_mm
+            Shape (Q,): distances of the parallels from the sheet.
+
+        Returns
+        -------
+        Section
+            Points of the profile that the sheet does not reach are left out.
+
+        Notes
+        -----
+        At a place y of the profile the body is a circle of radius r and the sheet a line at the
+        distance h from the axle; they meet at :math:`\sqrt{r^2 - h^2}` along the line. No
+        radial section is assumed.
+        """
+        rotation = self.cam_from_axle.rotation
+        normal = rotation.T @ plane.normal_in_cam
+        offset = float(plane.distance_mm(self.cam_from_axle.translation_mm[None])[0])
+        steep = float(np.hypot(normal[0], normal[2]))
+        across = np.array([normal[0], normal[2]]) / steep
+        along = np.array([-across[1], across[0]])
+        source = self.cam_from_axle.inverse().apply(source_in_cam_mm[None])[0]
+        if source[[0, 2]] @ along < 0.0:
+            along = -along
+
+        y, z = self.profile.points_mm.T
+        radius = self.radius_mm + z
+        height = (q_mm[None, :] - offset - normal[1] * y[:, None]) / steep
+        square = radius[:, None] ** 2 - height**2
+        met = (square > 0.0).all(axis=1)
+        y, radius, height = y[met], radius[met], height[met]
+        flat = height[..., None] * across + np.sqrt(square[met])[..., None] * along
+
+        n_y, n_z = self.profile.normals[met].T[..., None]
+        outward = flat / radius[:, None, None]
+        points = np.stack([flat[..., 0], np.broadcast_to(y[:, None], height.shape), flat[..., 1]], -1)
+        normals = np.stack(
+            [n_z * outward[..., 0], np.broadcast_to(n_y, height.shape), n_z * outward[..., 1]], -1
+        )
+        return Section(
+            points @ rotation.T + self.cam_from_axle.translation_mm,
+            normals @ rotation.T,
+            np.flatnonzero(met),
+        )
+
+    def sees(self, points_in_cam_mm: FloatArray, eye_in_cam_mm: FloatArray) -> FloatArray:
+        """Tell which points of the surface, shape (N, 3), can be seen from an eye, shape (3,)."""
+        axle_from_cam = self.cam_from_axle.inverse()
+        points = axle_from_cam.apply(points_in_cam_mm)
+        sight = axle_from_cam.apply(eye_in_cam_mm[None])[0] - points
+        sight /= np.linalg.norm(sight, axis=1, keepdims=True)
+        on_sight = points[:, None, :] + _SIGHT_MM[:, None] * sight[:, None, :]
+        return np.asarray(~(self._depth_inside_mm(on_sight) > _SKIN_MM).any(axis=1))
+
+    def first_hit(self, rays_in_cam: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return where rays from the camera first meet the body, and the normal there.
+
+        Parameters
+        ----------
+        rays_in_cam
+            Shape (N, 3).
+
+        Returns
+        -------
+        points_in_cam_mm, normals_in_cam
+            Shape (N, 3) each, NaN where a ray passes by. Good to 0.1 mm: enough for what is
+            shown out of focus; a stripe's place is never taken from it.
+        """
+        axle_from_cam = self.cam_from_axle.inverse()
+        eye = axle_from_cam.translation_mm
+        sight = rays_in_cam @ axle_from_cam.rotation.T
+        sight /= np.linalg.norm(sight, axis=1, keepdims=True)
+        start, passes = self._reach(eye, sight)
+        near = np.flatnonzero(passes)
+        travelled = start[near, None] + _INTO_MM
+        inside = self._depth_inside_mm(eye + travelled[..., None] * sight[near, None, :]) > 0.0
+        hit = inside.any(axis=1)
+        near, first = near[hit], np.argmax(inside[hit], axis=1)
+        far = travelled[hit, first]
+        close = far - _INTO_MM[1]
+        for _ in range(6):
+            middle = 0.5 * (close + far)
+            within = self._depth_inside_mm(eye + middle[:, None] * sight[near]) > 0.0
+            far, close = np.where(within, middle, far), np.where(within, close, middle)
+        points = np.full(rays_in_cam.shape, np.nan)
+        normals = np.full(rays_in_cam.shape, np.nan)
+        met = eye + far[:, None] * sight[near]
+        points[near] = self.cam_from_axle.apply(met)
+        normals[near] = self._normals(met) @ self.cam_from_axle.rotation.T
+        return points, normals
+
+    def _reach(self, eye: FloatArray, sight: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far off each line of sight enters the cylinder around the body, and whether.
+
+        Lines that stay beyond its ends do not count.
+        """
+        flat_eye, flat = eye[[0, 2]], sight[:, [0, 2]]
+        a = (flat * flat).sum(axis=1)
+        b = flat @ flat_eye
+        c = float(flat_eye @ flat_eye) - float(self._radii_mm.max()) ** 2
+        square = b * b - a * c
+        passes = square > 0.0
+        start = (-b - np.sqrt(np.where(passes, square, 0.0))) / a
+        ways = (eye[1] + start * sight[:, 1], eye[1] + (start + _INTO_MM[-1]) * sight[:, 1])
+        end_mm = self._table_start_mm + (len(self._radii_mm) - 1) * _TABLE_STEP_MM
+        between = (np.maximum(*ways) > self._table_start_mm) & (np.minimum(*ways) < end_mm)
+        return start, passes & (start > 0.0) & between
+
+    def _depth_inside_mm(self, points_mm: FloatArray) -> FloatArray:
+        """Return how deep points of the axle frame, shape (..., 3), lie under the turned profile.
+
+        Negative above it, and beyond its ends.
+        """
+        place = (points_mm[..., 1] - self._table_start_mm) / _TABLE_STEP_MM
+        last = len(self._radii_mm) - 1
+        radius = self._radii_mm[np.clip(np.rint(place), 0, last).astype(np.intp)]
+        depth = radius - np.hypot(points_mm[..., 0], points_mm[..., 2])
+        return np.asarray(np.where((place >= 0.0) & (place <= last), depth, -1.0))
+
+    def _normals(self, points_mm: FloatArray) -> FloatArray:
+        """Return outward normals at surface points of the axle frame, shape (N, 3)."""
+        slope = np.gradient(self._radii_mm, _TABLE_STEP_MM)
+        place = np.rint((points_mm[:, 1] - self._table_start_mm) / _TABLE_STEP_MM).astype(np.intp)
+        place = np.clip(place, 0, len(slope) - 1)
+        flat = points_mm[:, [0, 2]]
+        radius = np.linalg.norm(flat, axis=1)
+        on_back = self._radii_mm[place] - radius > 1.0
+        steep = np.where(on_back, 1e3 * np.sign(place - len(slope) / 2.0), -slope[place])
+        outward = flat / radius[:, None]
+        normals = np.column_stack([outward[:, 0], steep, outward[:, 1]])
+        return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))

@@ -1,0 +1,30 @@
+"""A simulated GigE Vision camera that no driver can tell from a real one.
+
+It has what a station needs to be tried without a track: any address of the loopback network,
+packets sent again, hardware triggers with exact times, and faults on demand.
+"""
+
+from station.simulated.camera import SimulatedCamera
+from station.simulated.counters import Statistics
+from station.simulated.device import DeviceOptions
+from station.simulated.discovery import probe_camera
+from station.simulated.faults import Faults
+from station.simulated.identity import Identity
+from station.simulated.picture_folder import PictureFolder
+from station.simulated.process import MakeSource, SimulatedCameraProcess
+from station.simulated.sources import ArraySource, FrameSource, SceneSource
+
+__all__ = [
+    "ArraySource",
+    "DeviceOptions",
+    "Faults",
+    "FrameSource",
+    "Identity",
+    "MakeSource",
+    "PictureFolder",
+    "SceneSource",
+    "SimulatedCamera",
+    "SimulatedCameraProcess",
+    "Statistics",
+    "probe_camera",
+]

@@ -1,0 +1,54 @@
+"""The worker process: runs the jobs until it is told to stop."""
+
+import signal
+import threading
+
+import structlog
+
+from station.operations import DataLayout
+from station.settings import StationSettings
+from station.store import Store
+from station.worker.context import CalibrateSources, MeasureSources, WorkContext
+from station.worker.lock import held
+from station.worker.workflows import Workflows
+
+_SWEEP_S = 1.0
+_PATIENCE_S = 10
+_log = structlog.get_logger()
+
+
+def work(
+    settings: StationSettings,
+    *,
+    calibrate: CalibrateSources,
+    measure: MeasureSources,
+    stop: threading.Event,
+) -> None:
+    """Run the jobs until `stop` is set; the next worker takes up what is then unfinished."""
+    layout = DataLayout(settings.data_dir)
+    store = Store.open(layout.store_url)
+    context = WorkContext(settings, store, layout, calibrate, measure)
+    workflows = Workflows(context)
+    workflows.launch()
+    # Held only from here on: whoever asks whether the worker is ready asks for the lock.
+    with held(layout.worker_lock, "a worker"):
+        _log.info("worker ready")
+        while not stop.is_set():
+            workflows.take_in()
+            stop.wait(_SWEEP_S)
+        workflows.stop(_PATIENCE_S)
+    store.close()
+
+
+def run_worker(settings: StationSettings) -> None:
+    """Be the worker process of a station: run its jobs until SIGTERM or SIGINT."""
+    import cv2  # noqa: PLC0415  only the process that does the mathematics needs it
+
+    from station.pipeline import calibrate_sources, measure_sources  # noqa: PLC0415  as above
+
+    # The other core belongs to camera and disk.
+    cv2.setNumThreads(1)
+    stop = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stop.set())
+    work(settings, calibrate=calibrate_sources, measure=measure_sources, stop=stop)

@@ -1,0 +1,109 @@
+"""The jobs as durable workflows: a step that is done stays done, whatever kills the worker.
+
+DBOS keeps one registry of workflows in a process, so they are registered once, with the context
+they work in, by the worker process alone.
+"""
+
+import sqlite3
+from collections.abc import Callable
+
+import structlog
+from dbos import DBOS, DBOSConfig, SetWorkflowID
+
+from station.store import Job, JobKind, unfinished_jobs
+from station.worker.calibrating import calibrate, fail_calibration
+from station.worker.context import WorkContext
+from station.worker.measuring import (
+    StepResult,
+    begin_measuring,
+    conclude_measuring,
+    fail_measuring,
+    measure_recording,
+)
+from station.worker.queue import APPLICATION, APPLICATION_VERSION, EXECUTOR_ID
+
+_MOST_ATTEMPTS = 5
+_POLLING_S = 0.1
+_GIVEN_UP = {"ERROR", "CANCELLED", "MAX_RECOVERY_ATTEMPTS_EXCEEDED"}
+_log = structlog.get_logger()
+
+
+class Workflows:
+    """The running workflow engine of the worker process."""
+
+    def __init__(self, context: WorkContext) -> None:
+        self._context = context
+        # The engine leaves SQLite's rollback journal on, in which a reader holds up a writer;
+        # the mode stays in the file.
+        with sqlite3.connect(context.layout.jobs_file) as connection:
+            connection.execute("PRAGMA journal_mode = WAL")
+        connection.close()
+        DBOS(
+            config=DBOSConfig(
+                name=APPLICATION,
+                system_database_url=context.layout.jobs_url,
+                executor_id=EXECUTOR_ID,
+                application_version=APPLICATION_VERSION,
+                log_level="WARNING",
+            )
+        )
+        self._workflows = _register(context)
+
+    def launch(self) -> None:
+        """Start the engine: what a killed worker left is taken up at once."""
+        DBOS.launch()
+        for kind in JobKind:
+            DBOS.register_queue(kind.value, worker_concurrency=1, polling_interval_sec=_POLLING_S)
+
+    def take_in(self) -> None:
+        """Bring store and engine together: queue what nobody queued, end what was given up."""
+        with self._context.store.look() as session:
+            jobs = unfinished_jobs(session)
+        for job in jobs:
+            known = DBOS.get_workflow_status(job.id)
+            if known is None:
+                with SetWorkflowID(job.id):
+                    DBOS.enqueue_workflow(job.kind, self._workflows[JobKind(job.kind)], job.id)
+            elif known.status in _GIVEN_UP:
+                self._fail(job, f"the worker ended it ({known.status.lower()}); order it again")
+
+    def _fail(self, job: Job, why: str) -> None:
+        fail = fail_measuring if job.kind == JobKind.MEASURE else fail_calibration
+        fail(self._context, job.id, why)
+
+    def stop(self, patience_s: int) -> None:
+        """Stop the engine; a step not done in time is done again after the next start."""
+        DBOS.destroy(workflow_completion_timeout_sec=patience_s)
+
+
+def _register(context: WorkContext) -> dict[JobKind, Callable[[str], None]]:
+    @DBOS.step(name="calibrate")
+    def solve_step(job_id: str) -> None:
+        calibrate(context, job_id)
+
+    @DBOS.step(name="begin_measuring")
+    def begin_step(job_id: str) -> list[str]:
+        return begin_measuring(context, job_id)
+
+    @DBOS.step(name="measure_recording")
+    def measure_step(job_id: str, recording_id: str, place: int, of: int) -> StepResult:
+        return measure_recording(context, job_id, recording_id, place=place, of=of)
+
+    @DBOS.step(name="conclude_measuring")
+    def conclude_step(job_id: str, results: list[StepResult]) -> None:
+        conclude_measuring(context, job_id, results)
+
+    @DBOS.workflow(name=JobKind.CALIBRATE.value, max_recovery_attempts=_MOST_ATTEMPTS)
+    def calibrate_workflow(job_id: str) -> None:
+        solve_step(job_id)
+
+    @DBOS.workflow(name=JobKind.MEASURE.value, max_recovery_attempts=_MOST_ATTEMPTS)
+    def measure_workflow(job_id: str) -> None:
+        recordings = begin_step(job_id)
+        results = [
+            measure_step(job_id, recording, place, len(recordings))
+            for place, recording in enumerate(recordings)
+        ]
+        conclude_step(job_id, results)
+
+    return {JobKind.CALIBRATE: calibrate_workflow, JobKind.MEASURE: measure_workflow}

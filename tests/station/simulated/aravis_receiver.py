@@ -1,0 +1,87 @@
+"""A receiver made of the real Aravis, as the station's driver uses it."""
+
+import time
+import warnings
+from dataclasses import dataclass
+
+import gi
+
+gi.require_version("Aravis", "0.8")
+with warnings.catch_warnings():
+    # PyGObject 3.42's importer is of a kind that Python 3.11 warns of.
+    warnings.simplefilter("ignore", ImportWarning)
+    from gi.repository import Aravis
+
+
+@dataclass(frozen=True)
+class Received:
+    frame_id: int
+    timestamp_ns: int
+    whole: bool
+    data: bytes
+    region: tuple[int, int, int, int]
+
+
+class Receiver:
+    """Opens a camera, and takes frames while used as a context manager."""
+
+    def __init__(self, address, *, packet_bytes=9000, buffers=24):
+        self.camera = Aravis.Camera.new(address)
+        self.camera.gv_set_packet_size(packet_bytes)
+        self._buffers = buffers
+        self._stream = None
+
+    @property
+    def device(self):
+        return self.camera.get_device()
+
+    def __enter__(self):
+        self._stream = self.camera.create_stream(None, None)
+        self._stream.set_property("socket-buffer", Aravis.GvStreamSocketBuffer.AUTO)
+        self._stream.set_property("frame-retention", 5_000_000)
+        for _ in range(self._buffers):
+            self._stream.push_buffer(Aravis.Buffer.new_allocate(self.camera.get_payload()))
+        self.camera.start_acquisition()
+        return self
+
+    def __exit__(self, *_):
+        self.camera.stop_acquisition()
+        self._stream = None
+
+    def close(self):
+        """Give the camera back: Aravis does when nobody refers to it any more."""
+        self._stream = None
+        self.camera = None
+
+    def next(self, timeout_s=3.0):
+        """Return the next frame, or None where none comes in time."""
+        buffer = self._stream.timeout_pop_buffer(round(timeout_s * 1e6))
+        if buffer is None:
+            return None
+        whole = buffer.get_status() == Aravis.BufferStatus.SUCCESS
+        region = tuple(buffer.get_image_region()) if whole else (0, 0, 0, 0)
+        received = Received(
+            buffer.get_frame_id(), buffer.get_timestamp(), whole, buffer.get_data(), region
+        )
+        self._stream.push_buffer(buffer)
+        return received
+
+    def take(self, count, timeout_s=3.0):
+        """Return `count` frames, fewer where they stop coming."""
+        frames = []
+        while len(frames) < count:
+            frame = self.next(timeout_s)
+            if frame is None:
+                break
+            frames.append(frame)
+        return frames
+
+
+def wait_until(condition, timeout_s=5.0):
+    """Return whether `condition` becomes true in time."""
+    until_s = time.monotonic() + timeout_s
+    while time.monotonic() < until_s:
+        if condition():
+            return True
+        time.sleep(0.005)
+    return False
