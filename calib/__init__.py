@@ -4,9 +4,22 @@ Letters, frames, units and signs are in ``conventions.md`` beside this file.
 """
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture, frozen, read_only
+from calib.calibrate import calibrate, calibrate_camera
+from calib.calibration import (
+    Calibration,
+    CameraCalibration,
+    CameraRole,
+    Method,
+    SolvedPoints,
+    SolvedView,
+    SolveReport,
+    Termination,
+)
 from calib.camera import PARAMETERS, CameraModel
+from calib.compare import pixel_grid, sheet_difference_mm
 from calib.errors import (
     CalibError,
+    CameraMismatch,
     Degenerate,
     NotConverged,
     StripeNotFound,
@@ -25,24 +38,37 @@ __all__ = [
     "SENSOR_PARAMETERS",
     "BoolArray",
     "CalibError",
+    "Calibration",
+    "CameraCalibration",
+    "CameraMismatch",
     "CameraModel",
+    "CameraRole",
     "Cause",
     "Degenerate",
     "FloatArray",
     "IntArray",
     "LaserSensor",
     "LightPlane",
+    "Method",
     "NotConverged",
     "Picture",
     "RigidTransform",
+    "SolveReport",
+    "SolvedPoints",
+    "SolvedView",
     "StripeNotFound",
     "StripePoints",
     "Target",
     "TargetNotFound",
     "TargetPoints",
     "TargetSpecInvalid",
+    "Termination",
     "TooFewViews",
     "View",
+    "calibrate",
+    "calibrate_camera",
     "frozen",
     "read_only",
+    "pixel_grid",
+    "sheet_difference_mm",
 ]

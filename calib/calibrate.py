@@ -4,25 +4,18 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from calib.arrays import BoolArray
-from calib.calibration import (
-    Calibration,
-    CameraCalibration,
-    CameraRole,
-    Method,
-    SolvedPoints,
-    SolvedView,
-)
+from calib.assembly import misfits, solved_views
+from calib.calibration import Calibration, CameraCalibration, CameraRole, Method
 from calib.camera import CameraModel
 from calib.camera_from_views import solve_camera
 from calib.errors import CameraMismatch, TooFewViews
 from calib.joint.method import solve_jointly
 from calib.preplanar import solve_preplanar
 from calib.sensor import LaserSensor
-from calib.solving import Answer, PointsAnswer, Prepared
-from calib.start import LEAST_STRIPE_POINTS, usable_views
+from calib.solving import Answer, Prepared
+from calib.start import LEAST_STRIPE_POINTS, has_stripe, usable_views
 from calib.target import Target
-from calib.views import Cause, StripePoints, View
+from calib.views import View
 
 _METHODS: Mapping[Method, Callable[[Prepared], Answer]] = {
     Method.PREPLANAR: solve_preplanar,
@@ -73,16 +66,15 @@ def calibrate_camera(
         _require_views(usable, reasons, _LEAST_CAMERA_VIEWS, "the camera")
         chosen = [views[index] for index in usable]
         answer = solve_camera(chosen, target, width=width, height=height)
-        failed = _misfits(chosen, answer.dots)
+        failed = misfits(chosen, answer.dots, _LEAST_BELIEVED)
         if not failed:
             break
         reasons |= {usable[place]: reason for place, reason in failed.items()}
         usable = [index for index in usable if index not in reasons]
-    solved = _solved_views(views, usable, reasons, answer.poses, answer.dots, None, None)
     return CameraCalibration(
         camera=answer.camera,
         rms_dots_px=answer.dots.rms_px,
-        views=solved,
+        views=solved_views(views, usable, reasons, answer.poses, answer.dots, None, frozenset()),
         solve=answer.report,
         warnings=(*_left_out_warnings(views, reasons), *answer.warnings),
     )
@@ -135,36 +127,40 @@ def calibrate(
             f"{height}; calibrate the camera at the pictures' size"
         )
     usable, reasons = usable_views(views, target)
-    views = [_without_short_stripe(view) for view in views]
     while True:
         start, role, camera_warnings = _camera_to_start(
             views, usable, reasons, target, camera, (width, height)
         )
         _require_views(
-            [index for index in usable if views[index].stripe is not None],
+            [index for index in usable if has_stripe(views[index])],
             reasons,
             _LEAST_STRIPES,
             "the light plane (target and stripe seen)",
         )
         chosen = [views[index] for index in usable]
         answer = _METHODS[method](Prepared.of(chosen, target, start, role))
-        failed = _misfits(chosen, answer.dots)
+        failed = misfits(chosen, answer.dots, _LEAST_BELIEVED)
         if not failed:
             break
         reasons |= {usable[place]: reason for place, reason in failed.items()}
         usable = [index for index in usable if index not in reasons]
+    false_stripes = frozenset(
+        index
+        for index, believed in zip(usable, answer.stripe_in, strict=True)
+        if views[index].stripe is not None and not believed
+    )
     return Calibration(
         sensor=LaserSensor(answer.camera, answer.plane, answer.covariance),
         method=method,
         rms_dots_px=answer.dots.rms_px,
         rms_stripe_px=answer.stripe.rms_px,
-        views=_solved_views(
-            views, usable, reasons, answer.poses, answer.dots, answer.stripe, answer.stripe_in
+        views=solved_views(
+            views, usable, reasons, answer.poses, answer.dots, answer.stripe, false_stripes
         ),
         solve=answer.report,
         warnings=(
             *_left_out_warnings(views, reasons),
-            *_false_stripe_warnings(chosen, answer.stripe_in),
+            *_stripe_warnings(views, sorted(false_stripes)),
             *camera_warnings,
             *answer.warnings,
         ),
@@ -201,30 +197,17 @@ def _require_views(
     )
 
 
-def _without_short_stripe(view: View) -> View:
-    if view.stripe is None or len(view.stripe) >= LEAST_STRIPE_POINTS:
-        return view
-    return View(view.name, view.points, None)
-
-
-def _misfits(views: Sequence[View], dots: PointsAnswer) -> dict[int, str]:
-    """Return the views most of whose points do not fit the target, by place, with the reason."""
-    edges = np.cumsum([0, *(len(view.points) for view in views)])
-    believed = [int(dots.used[a:b].sum()) for a, b in zip(edges[:-1], edges[1:], strict=True)]
-    return {
-        place: f"only {believed[place]} of {len(view.points)} target points fit the target"
-        for place, view in enumerate(views)
-        if believed[place] < _LEAST_BELIEVED * len(view.points)
-    }
-
-
 def _left_out_warnings(views: Sequence[View], reasons: Mapping[int, str]) -> tuple[str, ...]:
     return tuple(f"{views[index].name} left out: {reasons[index]}" for index in sorted(reasons))
 
 
-def _false_stripe_warnings(views: Sequence[View], stripe_in: BoolArray) -> tuple[str, ...]:
+def _stripe_warnings(views: Sequence[View], unused: Sequence[int]) -> tuple[str, ...]:
     return tuple(
-        f"{view.name}: its stripe does not lie on the light plane of the others and was not used"
-        for view, believed in zip(views, stripe_in, strict=True)
-        if view.stripe is not None and not believed
+        f"{views[index].name}: its stripe "
+        + (
+            "does not lie on the light plane of the others and was not used"
+            if has_stripe(views[index])
+            else f"has fewer than {LEAST_STRIPE_POINTS} points and was not used"
+        )
+        for index in unused
     )

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.camera import PARAMETERS, CameraModel
 from calib.calibration import CameraRole, SolveReport
+from calib.camera import PARAMETERS, CameraModel
 from calib.errors import Degenerate
-from calib.homography import fit_homography_robustly
+from calib.homography import pose_from_homography
 from calib.joint.method import camera_of, dots_answer, report_of, scale_warnings
 from calib.joint.normal_equations import NormalEquations
 from calib.joint.parameters import Estimate, Layout
@@ -17,7 +17,7 @@ from calib.joint.solve import Problem, Solution, solve
 from calib.observations import Observations
 from calib.rigid import RigidTransform
 from calib.solving import PointsAnswer
-from calib.start import start_pose, typical_sigma_px
+from calib.start import picture_homography
 from calib.target import Target
 from calib.views import View
 from calib.zhang import camera_from_homographies
@@ -50,9 +50,7 @@ class CameraAnswer:
     warnings: tuple[str, ...]
 
 
-def solve_camera(
-    views: Sequence[View], target: Target, *, width: int, height: int
-) -> CameraAnswer:
+def solve_camera(views: Sequence[View], target: Target, *, width: int, height: int) -> CameraAnswer:
     """Solve camera and poses from the dots of usable views.
 
     Raises
@@ -63,20 +61,17 @@ def solve_camera(
         If the solve does not end.
     """
     bare = [replace(view, stripe=None) for view in views]
-    camera = CameraModel.from_parameters(
-        camera_from_homographies(
-            [_homography(view, target) for view in bare], width=width, height=height
-        ),
-        width=width,
-        height=height,
-    )
+    homographies = [picture_homography(view, target) for view in bare]
+    parameters = camera_from_homographies(homographies, width=width, height=height)
+    camera = CameraModel.from_parameters(parameters, width=width, height=height)
+    to_rays = np.linalg.inv(camera.matrix)
+    poses = [pose_from_homography(to_rays @ homography) for homography in homographies]
     problem = Problem(
         Observations.of(bare, target),
         Layout(_BASIC, plane=False),
         prior=None,
         stripe_in=np.zeros(len(bare), dtype=bool),
     )
-    poses = [start_pose(view, target, camera) for view in bare]
     solution = solve(problem, Estimate.start(camera, None, poses))
     problem, solution = _with_supported_terms(problem, solution)
     answer = camera_of(solution, problem.layout, camera)
@@ -100,9 +95,7 @@ def _with_supported_terms(problem: Problem, solution: Solution) -> tuple[Problem
     return problem, solution
 
 
-def _is_supported(
-    problem: Problem, solution: Solution, layout: Layout, added: int
-) -> bool:
+def _is_supported(problem: Problem, solution: Solution, layout: Layout, added: int) -> bool:
     """Tell whether further free parameters lower the cost by more than chance does.
 
     The fall of chi square that one Gauss-Newton step foretells (a score test) must exceed the
@@ -113,13 +106,7 @@ def _is_supported(
     linear = linearise_dots(observations, solution.estimate, layout)
     equations = NormalEquations.of(linear, weights, observations.dots.view, observations.count)
     fall = equations.step(damping=0.0)[2]
-    return fall > added * np.log(2.0 * len(observations.dots))
-
-
-def _homography(view: View, target: Target) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    points = view.points
-    board = points.points_mm(target.pitch_mm)[:, :2]
-    return fit_homography_robustly(board, points.centre_px, typical_sigma_px(points))
+    return bool(fall > added * np.log(2.0 * len(observations.dots)))
 
 
 def _focal_warnings(camera: CameraModel) -> tuple[str, ...]:

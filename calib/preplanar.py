@@ -23,6 +23,7 @@ from calib.plane import LightPlane
 from calib.rigid import RigidTransform
 from calib.sensor import SENSOR_PARAMETERS
 from calib.solving import Answer, PointsAnswer, Prepared
+from calib.start import has_stripe
 from calib.target import Target
 from calib.views import View
 
@@ -95,7 +96,7 @@ def crossings_on_board(view: View, target: Target, camera: CameraModel) -> Float
     crossings_mm
         Shape (N, 2), on the target; a column with fewer than three dots gives none.
     """
-    if view.stripe is None:
+    if view.stripe is None or not has_stripe(view):
         return np.empty((0, 2))
     stripe, _ = fit_line_robustly(camera.rays(view.stripe.centre_px)[:, :2])
     seen = camera.rays(view.points.centre_px)[:, :2]
@@ -152,12 +153,10 @@ def _all_crossings(prepared: Prepared, camera: CameraModel) -> _Crossings:
         )
     return _Crossings(
         view=np.repeat(np.arange(len(parts)), [len(part) for part in parts]),
-        in_cam_mm=np.concatenate(
-            [
-                pose.apply(np.column_stack([part, np.zeros(len(part))]))
-                for pose, part in zip(_poses(prepared, camera), parts, strict=True)
-            ]
-        ),
+        in_cam_mm=np.concatenate([
+            pose.apply(np.column_stack([part, np.zeros(len(part))]))
+            for pose, part in zip(_poses(prepared, camera), parts, strict=True)
+        ]),
     )
 
 
@@ -199,12 +198,14 @@ def _residuals(
 
 def _on_lines(prepared: Prepared) -> BoolArray:
     """Tell the stripe points that agree with the line of their view, shape (N,)."""
-    masks = [
-        fit_line_robustly(prepared.camera.rays(view.stripe.centre_px)[:, :2])[1]
-        for view in prepared.views
-        if view.stripe is not None
-    ]
-    return np.concatenate([np.empty(0, dtype=bool), *masks])
+    masks = [np.empty(0, dtype=bool)]
+    for view in prepared.views:
+        if view.stripe is None:
+            continue
+        rays = prepared.camera.rays(view.stripe.centre_px)[:, :2]
+        enough = has_stripe(view)
+        masks.append(fit_line_robustly(rays)[1] if enough else np.zeros(len(rays), dtype=bool))
+    return np.concatenate(masks)
 
 
 def _covariance(
@@ -225,12 +226,10 @@ def _covariance(
 def _jackknife(crossings: _Crossings, kept: BoolArray, plane: LightPlane) -> FloatArray:
     """Return the covariance of (a, b, c, d), shape (4, 4), from leaving out one view at a time."""
     views = np.unique(crossings.view[kept])
-    answers = np.array(
-        [
-            _near(fit_plane(crossings.in_cam_mm[kept & (crossings.view != view)]), plane)
-            for view in views
-        ]
-    )
+    answers = np.array([
+        _near(fit_plane(crossings.in_cam_mm[kept & (crossings.view != view)]), plane)
+        for view in views
+    ])
     centred = answers - answers.mean(axis=0)
     return np.asarray(centred.T @ centred * (len(views) - 1) / len(views))
 

@@ -11,7 +11,7 @@ from calib.camera import CameraModel
 from calib.observations import Observations
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
-from calib.start import start_plane, start_pose, stripe_in_space
+from calib.start import has_stripe, start_plane, start_pose, stripe_in_space
 from calib.target import Target
 from calib.views import View
 
@@ -62,7 +62,7 @@ class Prepared:
             If the stripes do not single out a plane.
         """
         poses = tuple(start_pose(view, target, camera) for view in views)
-        striped = [index for index, view in enumerate(views) if view.stripe is not None]
+        striped = [index for index, view in enumerate(views) if has_stripe(view)]
         ends = [
             stripe_in_space(stripe, camera, poses[index])
             for index in striped
@@ -72,9 +72,7 @@ class Prepared:
         stripe_in = np.zeros(len(views), dtype=bool)
         stripe_in[striped] = first.agreeing
         observations = Observations.of(views, target)
-        return cls(
-            tuple(views), target, observations, camera, role, poses, first.plane, stripe_in
-        )
+        return cls(tuple(views), target, observations, camera, role, poses, first.plane, stripe_in)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,7 +17,7 @@ from calib.lines import fit_line_robustly, fit_plane
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
 from calib.target import Target
-from calib.views import StripePoints, View
+from calib.views import StripePoints, TargetPoints, View
 
 # A pose has six unknowns; six points leave as many residuals to judge it by.
 LEAST_DOTS = 6
@@ -25,11 +25,20 @@ LEAST_DOTS = 6
 LEAST_STRIPE_POINTS = 5
 # A board whose points miss by this part of their spacing is not this board.
 _MOST_MISS = 0.3
+# Distortion bends a picture by up to this part of the target's extent in it.
+_BEND = 0.01
 _MOST_CANDIDATES = 500
 # Of the lines' extent: stripes that spread less across each other are one line in space.
 _LEAST_SPREAD = 0.01
 # ... as are stripes whose spread is no more than this many times their misfit.
 _LEAST_SPREAD_OVER_MISFIT = 2.5
+
+
+def usable_views(views: Sequence[View], target: Target) -> tuple[list[int], dict[int, str]]:
+    """Sort views by index into usable ones and reasons against the others."""
+    reasons = {index: why_unusable(view, target) for index, view in enumerate(views)}
+    usable = [index for index, reason in reasons.items() if not reason]
+    return usable, {index: reason for index, reason in reasons.items() if reason}
 
 
 def why_unusable(view: View, target: Target) -> str:
@@ -49,7 +58,10 @@ def why_unusable(view: View, target: Target) -> str:
         return "the same target point twice"
     board = points.points_mm(target.pitch_mm)[:, :2]
     try:
-        homography = fit_homography_robustly(board, points.centre_px, _typical(points.sigma_px))
+        # Distortion bends a map by some pixels; that must not set off the search for false points.
+        homography = fit_homography_robustly(
+            board, points.centre_px, _BEND * np.ptp(points.centre_px)
+        )
     except Degenerate as reason:
         return str(reason)
     miss = np.median(np.linalg.norm(apply_homography(homography, board) - points.centre_px, axis=1))
@@ -62,11 +74,36 @@ def why_unusable(view: View, target: Target) -> str:
     return ""
 
 
+def has_stripe(view: View) -> bool:
+    """Tell whether a view has a stripe of enough points to be a line."""
+    return view.stripe is not None and len(view.stripe) >= LEAST_STRIPE_POINTS
+
+
+def typical_sigma_px(points: TargetPoints) -> float:
+    """Return the median standard deviation of points along an axis."""
+    return float(np.median(points.sigma_px))
+
+
+def picture_homography(view: View, target: Target) -> FloatArray:
+    """Return the map from the board, mm, to the picture, px, as if the lens did not distort.
+
+    Raises
+    ------
+    Degenerate
+        If the points lie on one line.
+    """
+    seen = view.points.centre_px
+    board = view.points.points_mm(target.pitch_mm)[:, :2]
+    # Distortion bends a map by some pixels; that must not set off the search for false points.
+    sigma = max(typical_sigma_px(view.points), _BEND * float(np.ptp(seen, axis=0).max()))
+    return fit_homography_robustly(board, seen, sigma)
+
+
 def start_pose(view: View, target: Target, camera: CameraModel) -> RigidTransform:
     """Return the pose of a usable view, by decomposing its homography."""
     board = view.points.points_mm(target.pitch_mm)[:, :2]
     rays = camera.rays(view.points.centre_px)[:, :2]
-    sigma = _typical(view.points.sigma_px) / camera.fx
+    sigma = typical_sigma_px(view.points) / camera.fx
     return pose_from_homography(fit_homography_robustly(board, rays, sigma))
 
 
@@ -148,19 +185,8 @@ def _refuse_one_line(stripes_mm: FloatArray) -> None:
         )
 
 
-def _typical(sigma_px: FloatArray) -> float:
-    return float(np.sqrt(np.median(sigma_px**2)))
-
-
 def _spacing_px(homography: FloatArray, board: FloatArray, pitch_mm: float) -> float:
     middle = board.mean(axis=0)
     near = middle + np.array([[0.0, 0.0], [pitch_mm, 0.0], [0.0, pitch_mm]])
     seen = apply_homography(homography, near)
     return float(np.linalg.norm(seen[1:] - seen[0], axis=1).mean())
-
-
-def usable_views(views: Sequence[View], target: Target) -> tuple[list[int], dict[int, str]]:
-    """Sort views by index into usable ones and reasons against the others."""
-    reasons = {index: why_unusable(view, target) for index, view in enumerate(views)}
-    usable = [index for index, reason in reasons.items() if not reason]
-    return usable, {index: reason for index, reason in reasons.items() if reason}

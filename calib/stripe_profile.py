@@ -49,7 +49,7 @@ class Profiles:
 def sample_across(
     picture: Picture, place_px: FloatArray, normal: FloatArray, reach: int
 ) -> Float32Array:
-    """Return brightness along normals, shape (N, 2 * reach + 1), one sample a pixel.
+    """Return brightness along normals, shape (N, 2 * reach + 1), one sample a pixel; N < 32767.
 
     Beyond the picture the nearest pixel repeats.
     """

@@ -18,6 +18,7 @@ _KERNEL = 1.1
 _LINE_LIKE = 0.55
 _WEAK_SIGMAS = 4.0
 _STRONG_SIGMAS = 10.0
+_MOST_GROUPS = 2500
 _HALF_PIXEL = 0.62  # a little more than 0.5, so that a ridge between two pixels is not lost
 
 
@@ -170,7 +171,10 @@ def _chained(points: _CoarsePoints, shape: tuple[int, ...], min_length: float) -
     reach = np.maximum(boxes[:, cv2.CC_STAT_WIDTH], boxes[:, cv2.CC_STAT_HEIGHT]) - 2
     strongest = np.zeros(len(boxes))
     np.maximum.at(strongest, chain, points.strength)
-    good = np.flatnonzero(((reach >= min_length) & (strongest >= _STRONG_SIGMAS))[chain])
+    sound = (reach >= min_length) & (strongest >= _STRONG_SIGMAS)
+    good = np.flatnonzero(sound[chain])
+    if good.size > _MOST_GROUPS:  # texture has tens of thousands
+        good = good[np.argsort(-points.strength[good], kind="stable")[:_MOST_GROUPS]]
     return _picked(points, good[order_along(points.place[good], chain[good])])
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import FloatArray
+from calib import FloatArray, frozen
 from measure.mounting import Mounting
 from measure.section import AxleMap
 
@@ -74,4 +74,6 @@ def solve_axle(tread_in_rig_mm: FloatArray, mounting: Mounting, radial_x_mm: flo
         state -= step
         if np.abs(step).max() < 1e-6:
             break
-    return Axle(float(state[0]), float(state[1]), np.linalg.inv(normal))
+    return Axle(
+        float(state[0]), float(state[1]), frozen(np.linalg.inv(normal), (2, 2), "covariance")
+    )

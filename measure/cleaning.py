@@ -69,35 +69,40 @@ def keep_wheel(
         Perhaps of no points.
     """
     along, outside, nearest = template.place(points_mm)
-    causes = np.full(len(points_mm), Cause.NONE, dtype=object)
+    causes = [Cause.NONE] * len(points_mm)
+
+    def leave_out(index: IntArray, cause: Cause) -> None:
+        for point in index:
+            causes[point] = cause
+
     beyond = along > template.along_mm[-1] + 1.0
     in_band = (outside > _OUTSIDE_MM[0]) & (outside < _OUTSIDE_MM[1]) & ~beyond
     # The back face does not wear: what lies off it is something else.
     on_back = nearest < template.back_count
     in_band &= ~(on_back & (np.abs(outside) > _OUTSIDE_MM[1]))
-    causes[~in_band] = Cause.STRAY_LIGHT
+    leave_out(np.flatnonzero(~in_band), Cause.STRAY_LIGHT)
     kept = np.flatnonzero(in_band)
     piece = _pieces(points_mm[kept], centre_px[kept])
     size = np.bincount(piece)[piece] if len(kept) else np.zeros(0, dtype=np.int64)
-    causes[kept[size < _MIN_PIECE]] = Cause.STRAY_LIGHT
+    leave_out(kept[size < _MIN_PIECE], Cause.STRAY_LIGHT)
     kept, piece = kept[size >= _MIN_PIECE], piece[size >= _MIN_PIECE]
 
     first_layer = _first_layer(along[kept], outside[kept], piece)
-    causes[kept[~first_layer]] = Cause.GLARE
+    leave_out(kept[~first_layer], Cause.GLARE)
     kept = kept[first_layer]
     kept = kept[np.argsort(along[kept], kind="stable")]
 
     score = _misfit(along[kept], outside[kept], sigma_mm[kept])
     spread = max(1.0, _robust_sigma(score))
     inlier = np.abs(score) <= _REJECT_SIGMAS * spread
-    causes[kept[~inlier]] = Cause.OUTLIER
+    leave_out(kept[~inlier], Cause.OUTLIER)
     kept, score = kept[inlier], score[inlier]
     factor = spread * np.sqrt(_correlation_length(score))
     return Kept(kept, _rising(along[kept]), float(factor), tuple(causes))
 
 
 def _pieces(points_mm: FloatArray, centre_px: FloatArray) -> IntArray:
-    """Number the pieces of stripe that hang together in the picture and in the section."""
+    """Return the number of the piece, of stripe that hang together in the picture and in the section."""
     if not len(points_mm):
         return np.zeros(0, dtype=np.int64)
     pairs = cKDTree(centre_px).query_pairs(_LINK_PX, output_type="ndarray")
@@ -110,9 +115,11 @@ def _pieces(points_mm: FloatArray, centre_px: FloatArray) -> IntArray:
 def _first_layer(along_mm: FloatArray, outside_mm: FloatArray, piece: IntArray) -> BoolArray:
     """Where two pieces lie over one another, keep the larger: the other is its reflection."""
     keep = np.ones(len(piece), dtype=bool)
+    if not piece.any():  # One piece has no other to lie over.
+        return keep
     bins = np.floor(along_mm / _LAYER_BIN_MM).astype(np.int64)
     taken: dict[int, float] = {}
-    for number in np.argsort(-np.bincount(piece)) if len(piece) else ():
+    for number in np.argsort(-np.bincount(piece)):
         members = np.flatnonzero(piece == number)
         for place in np.unique(bins[members]):
             here = members[bins[members] == place]
@@ -136,7 +143,7 @@ def _misfit(along_mm: FloatArray, outside_mm: FloatArray, sigma_mm: FloatArray) 
         steady = np.where(gross, height - rough, height)
         score[run] = (height - savgol_filter(steady, _SMOOTHING_POINTS, 2)) / sigma_mm[run]
     # The point itself takes part in its parabola: 9 / 4K of its error is hidden there.
-    return score / np.sqrt(1.0 - 9.0 / (4.0 * _SMOOTHING_POINTS))
+    return np.asarray(score / np.sqrt(1.0 - 9.0 / (4.0 * _SMOOTHING_POINTS)))
 
 
 def _robust_sigma(values: FloatArray) -> float:

@@ -12,7 +12,9 @@ from measure.quantities import Status
 _BIN_MM = 0.5
 # A parabola fitted to 3 mm of points is still sound this far beyond them.
 _EXTRAPOLATION_MM = 2.0
-_REFITS = 4
+_REFITS = 6
+# A place is read from a piece whose middle is within this share of the window.
+_NEAR_SHARE = 0.4
 # A wide window is used where it agrees with a narrow one to this many of the narrow one's sigmas.
 _AGREEMENT_SIGMAS = 3.0
 
@@ -102,9 +104,11 @@ class Curve:
             s = fit.crossing(1 - axis, level.value) if fit is not None else None
             if fit is None or s is None or fit.beyond_mm(s) > _EXTRAPOLATION_MM:
                 return None
-            place_mm = fit.point(s)
-            if abs(s) < 0.2 * self.window_mm:
+            if abs(s) < _NEAR_SHARE * self.window_mm:
                 break
+            place_mm = fit.point(s)
+        else:
+            return None
         read = fit.read(axis, s)
         moved = Estimate(read.value, read.gradient + fit.slope(axis, s) * level.gradient)
         return Found(moved, Status.OK if fit.covers(s) else Status.EXTRAPOLATED)
@@ -123,10 +127,10 @@ class Curve:
             s = fit.crest() if fit is not None else None
             if fit is None or s is None or not fit.covers(s):
                 return None
+            if abs(s) < _NEAR_SHARE * self.window_mm:
+                return Found(fit.read(1, s), Status.OK)
             place_mm = fit.point(s)
-            if abs(s) < 0.2 * self.window_mm:
-                break
-        return Found(fit.read(1, s), Status.OK)
+        return None
 
 
 def _bin_means(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter
 
-from calib import FloatArray
+from calib import BoolArray, FloatArray, IntArray
 from measure.template import Template
 
 _CELL_MM = 2.0
@@ -76,11 +76,11 @@ def find_flanges(voters: Voters, template: Template) -> tuple[Sighting, ...]:
     return (first, second) if rival else (first,)
 
 
-def _agrees(few: Voters, template: Template, chosen: FloatArray) -> FloatArray:
+def _agrees(few: Voters, template: Template, chosen: IntArray) -> BoolArray:
     """Which point may lie on which template point, shape (N, M)."""
     tangent, outward = template.tangent[chosen], template.outward[chosen]
     sine = few.tangent[:, :1] * tangent[:, 1] - few.tangent[:, 1:] * tangent[:, 0]
-    return (np.abs(sine) < _SIN_TANGENT) & (few.to_camera @ outward.T > 0.0)
+    return np.asarray((np.abs(sine) < _SIN_TANGENT) & (few.to_camera @ outward.T > 0.0))
 
 
 def _peak(shifts: FloatArray, few: Voters, template: Template) -> Sighting:

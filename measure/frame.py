@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import Cause, FloatArray, LaserSensor, StripePoints
+from calib import FloatArray, LaserSensor, StripePoints
 from measure.curve import Curve, Found
 from measure.estimate import Estimate
 from measure.gauges import Gauged, gauge
@@ -15,6 +15,7 @@ from measure.quantities import Quantity, Status
 from measure.reference import BACK_Y_MM, ReferenceProfile
 from measure.registration import see_back_face
 from measure.section import SheetPoints
+from measure.shape_laying import lay_by_shape
 from measure.template import Template, template_of
 from measure.uncertainty import Budget, Motions, whitened
 

@@ -77,18 +77,19 @@ def lay_by_axle(
     if isinstance(kept, Unmeasured):
         return kept
     wheel = sheet.select(kept.index)
+    section = Section.of(wheel, axle.map(mounting))
     for _ in range(_AXLE_ROUNDS):
-        section = Section.of(wheel, axle.map(mounting))
-        shift = refine_shift(section.points_mm, shift, template)
         tread = _tread_in_rig(wheel, section, shift, mounting)
         if tread is None:
             return Unmeasured(
-                "half a wheel: the tread near the tape circle is not seen; look at the field of view"
+                "half a wheel: the tread at the tape circle is not seen; look at the field of view"
             )
         axle = solve_axle(tread, mounting, radial_x)
+        before, section = section, Section.of(wheel, axle.map(mounting))
+        # A new axle moves all radii at once, by far more than a refinement reaches.
+        moved = np.median(section.points_mm - before.points_mm, axis=0)
+        shift = refine_shift(section.points_mm, shift + moved, template)
     section_map = axle.map(mounting)
-    section = Section.of(wheel, section_map)
-    shift = refine_shift(section.points_mm, shift, template)
     outward = section_map.outward_in_rig(wheel.points_in_cam_mm)[:, [0, 2]]
     once, radius = _axle_motions(outward, axle)
     tilts = _tilt_motions(outward, section.points_mm - shift, mounting)

@@ -24,7 +24,7 @@ class SectionMap(Protocol):
         """Map points, shape (N, 3), to (a, r), shape (N, 2)."""
 
     def jacobian(self, points_in_cam_mm: FloatArray) -> FloatArray:
-        """Derivative of (a, r) by the point, shape (N, 2, 3)."""
+        """Return the derivative of (a, r) by the point, shape (N, 2, 3)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,13 +44,13 @@ class AxleMap:
         return np.column_stack([y, np.hypot(x - self.axle_x_mm, z - self.axle_z_mm)])
 
     def jacobian(self, points_in_cam_mm: FloatArray) -> FloatArray:
-        """Derivative of (a, r) by the point, shape (N, 2, 3)."""
+        """Return the derivative of (a, r) by the point, shape (N, 2, 3)."""
         outward = self.outward_in_rig(points_in_cam_mm)
         along = np.broadcast_to([0.0, 1.0, 0.0], outward.shape)
         return np.stack([along, outward], axis=1) @ self.rig_from_camera.rotation
 
     def outward_in_rig(self, points_in_cam_mm: FloatArray) -> FloatArray:
-        """Unit vectors from the axle to the points, shape (N, 3)."""
+        """Return unit vectors from the axle to the points, shape (N, 3)."""
         x, _, z = self.rig_from_camera.apply(points_in_cam_mm).T
         across = np.column_stack([x - self.axle_x_mm, np.zeros(len(x)), z - self.axle_z_mm])
         return np.asarray(across / np.linalg.norm(across, axis=1)[:, None])
@@ -88,7 +88,7 @@ class SheetMap:
         return np.asarray(points_in_cam_mm @ self.axes_in_cam.T)
 
     def jacobian(self, points_in_cam_mm: FloatArray) -> FloatArray:
-        """Derivative of (a, r) by the point, shape (N, 2, 3)."""
+        """Return the derivative of (a, r) by the point, shape (N, 2, 3)."""
         return np.broadcast_to(self.axes_in_cam, (len(points_in_cam_mm), 2, 3))
 
 
@@ -122,7 +122,7 @@ class SheetPoints:
     def of(cls, stripe: StripePoints, sensor: LaserSensor) -> "SheetPoints":
         """Locate the points of a stripe; pixels whose ray misses the sheet are left out."""
         points = sensor.locate(stripe.centre_px)
-        hit = np.isfinite(points).all(axis=1)
+        hit = np.flatnonzero(np.isfinite(points).all(axis=1))
         seen = stripe.select(hit)
         by_pixel, by_sensor = sensor.location_jacobians(seen.centre_px)
         tangent = seen.normal[:, ::-1] * [-1.0, 1.0]

@@ -1,4 +1,4 @@
-"""The reference as points to compare with: where on the wheel does a point belong?"""
+"""The reference as points to compare with: where on the wheel a point belongs."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -63,7 +63,7 @@ class Template:
 
     def place(self, points_mm: FloatArray) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return place along, height outside, and nearest template point, of points (y, z)."""
-        _, nearest = self.tree.query(points_mm)
+        nearest = np.asarray(self.tree.query(points_mm)[1], dtype=np.int64)
         offset = points_mm - self.points_mm[nearest]
         along = self.along_mm[nearest] + np.sum(offset * self.tangent[nearest], axis=1)
         outside = np.sum(offset * self.outward[nearest], axis=1)

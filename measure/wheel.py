@@ -6,11 +6,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from calib import Cause, FloatArray, LaserSensor, StripePoints, frozen
+from calib import Cause, LaserSensor, StripePoints
 from measure.frame import FrameReadings, Value, measure_frame
 from measure.laying import Unmeasured
 from measure.limits import Limits
 from measure.mounting import Mounting
+from measure.profile import Profile
 from measure.quantities import Quantity, Reading, Status
 from measure.reference import ReferenceProfile
 from measure.uncertainty import COVERAGE_FACTOR, MODEL_FLOOR_MM
@@ -24,32 +25,6 @@ class WheelFrame:
     frame: int
     source: str
     time_ns: int | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Profile:
-    """A measured profile, from the flange back to the field side.
-
-    Attributes
-    ----------
-    d_mm
-        Shape (N,), distance from the flange back.
-    h_mm
-        Shape (N,), height over the nominal tread, aligned at the flange tip.
-    sigma_mm
-        Shape (N,), standard deviation across the profile.
-    """
-
-    d_mm: FloatArray
-    h_mm: FloatArray
-    sigma_mm: FloatArray
-
-    def __post_init__(self) -> None:
-        for name in ("d_mm", "h_mm", "sigma_mm"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (len(self.d_mm),), name))
-
-    def __len__(self) -> int:
-        return len(self.d_mm)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

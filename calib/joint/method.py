@@ -10,6 +10,7 @@ from calib.camera import PARAMETERS, CameraModel
 from calib.joint.parameters import Estimate, Layout
 from calib.joint.solve import Prior, Problem, Solution, solve
 from calib.solving import Answer, PointsAnswer, Prepared
+from calib.start import LEAST_STRIPE_POINTS
 
 # Renewals of the choice which stripes to believe; more than two are not seen to change anything.
 _ROUNDS = 4
@@ -28,9 +29,7 @@ def solve_jointly(prepared: Prepared) -> Answer:
         If the solve does not end, or contradicting stripes leave fewer than two.
     """
     layout = Layout(free_parameters(prepared.camera, prepared.role), plane=True)
-    problem = Problem(
-        prepared.observations, layout, _prior(prepared, layout), prepared.stripe_in
-    )
+    problem = Problem(prepared.observations, layout, _prior(prepared, layout), prepared.stripe_in)
     estimate = Estimate.start(prepared.camera, prepared.plane, list(prepared.poses))
     for _ in range(_ROUNDS):
         solution = solve(problem, estimate)
@@ -93,7 +92,10 @@ def report_of(problem: Problem, solution: Solution, role: CameraRole) -> SolveRe
 
 def scale_warnings(report: SolveReport) -> tuple[str, ...]:
     """Tell where points scatter otherwise than predicted."""
-    scales = (("target points", report.sigma_scale_dots), ("stripe points", report.sigma_scale_stripe))
+    scales = (
+        ("target points", report.sigma_scale_dots),
+        ("stripe points", report.sigma_scale_stripe),
+    )
     return tuple(
         f"the {kind} scatter {scale:.2g} times as much as predicted; the covariance accounts for it"
         for kind, scale in scales
@@ -116,12 +118,11 @@ def _fitting_stripes(problem: Problem, solution: Solution) -> BoolArray:
     """Tell the views whose stripe lies on the sheet, shape (M,)."""
     table = problem.observations.stripe
     size = np.abs(solution.stripe.residual[:, 0]) / solution.stripe_mixture.scale
-    return np.array(
-        [
-            bool(len(own := size[table.view == index])) and bool(np.median(own) <= _STRIPE_FITS)
-            for index in range(problem.observations.count)
-        ]
-    )
+    edges = np.searchsorted(table.view, np.arange(problem.observations.count + 1))
+    parts = [size[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return np.array([
+        len(own) >= LEAST_STRIPE_POINTS and np.median(own) <= _STRIPE_FITS for own in parts
+    ])
 
 
 def _answer(prepared: Prepared, problem: Problem, solution: Solution) -> Answer:

@@ -19,8 +19,9 @@ from calib.arrays import BoolArray, FloatArray, IntArray
 # Half-width, in standard deviations, of the box an outlier may lie in.
 _REACH = 50.0
 _LEAST_SHARE, _MOST_SHARE = 1e-3, 0.5
-# Residuals a thousandth of the prediction: noise-free data. Below, the weights lose their meaning.
-_LEAST_SCALE = 1e-3
+# No point of a picture is believed more exactly than this, even in data without noise: beside
+# points of half a pixel, weights a million times theirs would drown them in rounding.
+_LEAST_SIGMA_PX = 1e-3
 # Huber's turn from square to straight, in standard deviations.
 _HUBER = 1.5
 # Median of the squared length of a standard normal vector of 1 and 2 dimensions.
@@ -39,13 +40,16 @@ class Mixture:
         pi: share of outliers.
     settled
         False while the state is far from the answer (see the module's text).
+    least_scale
+        What `scale` does not fall below.
     correlated
         How many neighbouring points carry the information of one.
     """
 
     scale: float
     share: float
-    settled: bool = False
+    settled: bool
+    least_scale: float
     correlated: float = 1.0
 
     @property
@@ -54,13 +58,14 @@ class Mixture:
         return self.scale**2 * self.correlated
 
     @classmethod
-    def from_median(cls, residual: FloatArray) -> "Mixture":
+    def from_median(cls, residual: FloatArray, sigma_px: FloatArray) -> "Mixture":
         """Judge the scatter of whitened residuals, shape (N, 1 or 2), by their median."""
         if len(residual) == 0:
-            return cls(1.0, _LEAST_SHARE)
+            return cls(1.0, _LEAST_SHARE, settled=False, least_scale=1.0)
+        least = _LEAST_SIGMA_PX / float(np.median(sigma_px))
         square = float(np.median((residual**2).sum(axis=1)))
         scale = np.sqrt(square / _MEDIAN_SQUARE[residual.shape[1]])
-        return cls(max(float(scale), _LEAST_SCALE), 0.05)
+        return cls(max(float(scale), least), 0.05, settled=False, least_scale=least)
 
     def weights(self, residual: FloatArray) -> FloatArray:
         """Return how far each point is believed, 0 to 1, shape (N,).
@@ -83,9 +88,7 @@ class Mixture:
         """Tell which points are more likely good than not, shape (N,)."""
         return self.weights(residual) > 0.5
 
-    def updated(
-        self, residual: FloatArray, weights: FloatArray, spent: float, correlated: float = 1.0
-    ) -> "Mixture":
+    def updated(self, residual: FloatArray, weights: FloatArray, spent: float) -> "Mixture":
         """Return the mixture these residuals speak for.
 
         Parameters
@@ -94,15 +97,15 @@ class Mixture:
             Shape (N, 1 or 2) and (N,), the weights from `weights`.
         spent
             Degrees of freedom the parameters take from this kind of point.
-        correlated
-            How many neighbouring points carry the information of one.
         """
         freedom = weights.sum() * residual.shape[1] - spent
         if not freedom >= 1.0:
             return replace(self, settled=True)
         scale = np.sqrt((weights[:, None] * residual**2).sum() / freedom)
         share = np.clip(1.0 - weights.mean(), _LEAST_SHARE, _MOST_SHARE)
-        return Mixture(max(float(scale), _LEAST_SCALE), float(share), True, correlated)
+        return replace(
+            self, scale=max(float(scale), self.least_scale), share=float(share), settled=True
+        )
 
 
 def correlated_run(

@@ -1,6 +1,6 @@
 """The robust maximum-likelihood solve: poses, and as wanted the light plane and the camera."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -126,31 +126,40 @@ class _Belief:
 
     @classmethod
     def from_medians(cls, problem: Problem, place: _Place) -> "_Belief":
-        present = problem.stripe_in[problem.observations.stripe.view]
-        dots = Mixture.from_median(place.dots.residual)
-        stripe = Mixture.from_median(place.stripe.residual[present])
+        seen = problem.observations
+        present = problem.stripe_in[seen.stripe.view]
+        dots = Mixture.from_median(place.dots.residual, seen.dots.sigma_px)
+        stripe = Mixture.from_median(place.stripe.residual[present], seen.stripe.sigma_px[present])
         return cls.of(problem, place, dots, stripe)
 
     def settled_at(self, problem: Problem, place: _Place) -> "_Belief":
         """Renew the mixtures by what this place leaves."""
         dots, stripe, total = self.equations(problem, place)
-        covariance = total.covariance()
-        table = problem.observations.stripe
-        present = problem.stripe_in[table.view]
+        covariance = _covariance(total)
+        present = problem.stripe_in[problem.observations.stripe.view]
         residual, weight = place.stripe.residual[present], self.stripe_weight[present]
         # Parameters follow a run of like residuals as one, so they spend a run for each freedom.
         spent = covariance.freedom_spent_on(stripe) * self.stripe.correlated
-        run = correlated_run(
-            residual[:, 0], weight, table.view[present], table.along_px[present]
-        )
         return _Belief.of(
             problem,
             place,
             self.dots.updated(
                 place.dots.residual, self.dots_weight, covariance.freedom_spent_on(dots)
             ),
-            self.stripe.updated(residual, weight, spent, run),
+            self.stripe.updated(residual, weight, spent),
         )
+
+    def with_runs_at(self, problem: Problem, place: _Place) -> "_Belief":
+        """Count stripe points that repeat their neighbours once."""
+        table = problem.observations.stripe
+        present = problem.stripe_in[table.view]
+        run = correlated_run(
+            place.stripe.residual[present, 0],
+            self.stripe_weight[present],
+            table.view[present],
+            table.along_px[present],
+        )
+        return _Belief.of(problem, place, self.dots, replace(self.stripe, correlated=run))
 
     def equations(
         self, problem: Problem, place: _Place
@@ -222,12 +231,17 @@ def solve(problem: Problem, start: Estimate) -> Solution:
     belief = _Belief.from_medians(problem, place)
     parameters = problem.layout.size + POSE_SIZE * problem.observations.count
     damping = _FIRST_DAMPING
-    moving = True
+    moving, runs_counted = True, False
     for iteration in range(1, _ITERATIONS + 1):
         total = belief.equations(problem, place)[2]
         global_step, pose_steps, decrement = _step(total, damping)
         if decrement <= _ARRIVED**2 and not moving:
-            return _solution(problem, place, belief, iteration)
+            if runs_counted:
+                return _solution(problem, place, belief, iteration)
+            # Once, at the end: counted at every step, a run at the edge of significance would
+            # come and go and the walk not end.
+            belief, runs_counted = belief.with_runs_at(problem, place), True
+            continue
         trial = problem.layout.moved(place.estimate, global_step, pose_steps)
         trial_place = _Place.at(problem, trial, rays)
         # Near the end the cost cannot fall by more than its own rounding.
@@ -256,10 +270,21 @@ def _step(equations: NormalEquations, damping: float) -> tuple[FloatArray, Float
     try:
         return equations.step(damping)
     except np.linalg.LinAlgError as error:
-        raise NotConverged(
-            f"the pictures do not determine the answer ({error}); add pictures of the target in "
-            "other places and tilts"
-        ) from error
+        raise _undetermined(error) from error
+
+
+def _covariance(equations: NormalEquations) -> ArrowCovariance:
+    try:
+        return equations.covariance()
+    except np.linalg.LinAlgError as error:
+        raise _undetermined(error) from error
+
+
+def _undetermined(error: np.linalg.LinAlgError) -> NotConverged:
+    return NotConverged(
+        f"the pictures do not determine the answer ({error}); add pictures of the target in "
+        "other places and tilts"
+    )
 
 
 def _solution(problem: Problem, place: _Place, belief: _Belief, iterations: int) -> Solution:
@@ -270,7 +295,7 @@ def _solution(problem: Problem, place: _Place, belief: _Belief, iterations: int)
         stripe=place.stripe,
         dots_mixture=belief.dots,
         stripe_mixture=belief.stripe,
-        covariance=total.covariance(),
+        covariance=_covariance(total),
         cost=total.cost,
         iterations=iterations,
     )

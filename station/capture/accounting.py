@@ -30,6 +30,7 @@ class FrameAccount:
     refused: int = 0
     repeated: int = 0
     _last_id: int | None = field(default=None, init=False)
+    _dropped: list[int] = field(default_factory=list, init=False)
 
     @property
     def accounted(self) -> int:
@@ -53,8 +54,7 @@ class FrameAccount:
             return False
         if skipped:
             self.lost += skipped
-            first = id_after(frame_id - skipped) if self._last_id is None else None
-            first = first or id_after(self._last_id or 0)
+            first = 1 if self._last_id is None else id_after(self._last_id)
             self._say(EventKind.FRAMES_LOST, first, skipped, f"before frame {frame_id}")
         self._last_id = frame_id
         if flaw is not None:
@@ -64,21 +64,25 @@ class FrameAccount:
         self.arrived += 1
         return True
 
-    def confirm(self, *, written: bool, frame_id: int, reason: str = "") -> None:
-        """Take into account what became of a frame that arrived."""
-        if written:
-            self.recorded += 1
-            return
+    def confirm(self) -> None:
+        """A frame that arrived is in the file."""
+        self.recorded += 1
+
+    def drop(self, frame_id: int) -> None:
+        """A frame that arrived could not be written; `close` says so, once for all of them."""
         self.arrived -= 1
         self.lost += 1
-        self._say(EventKind.FRAMES_DROPPED, frame_id, 1, reason)
+        self._dropped.append(frame_id)
 
     def begin_again(self) -> None:
         """The camera was opened again; it numbers its frames anew."""
         self._last_id = None
 
-    def reconcile(self, triggered: int | None) -> None:
-        """Compare with the number of exposures that somebody else counted."""
+    def close(self, triggered: int | None) -> None:
+        """Say what could not be written; compare with the exposures somebody else counted."""
+        if self._dropped:
+            count = len(self._dropped)
+            self._say(EventKind.FRAMES_DROPPED, self._dropped[0], count, "could not be written")
         if triggered is None or triggered == self.accounted:
             return
         if triggered > self.accounted:

@@ -1,7 +1,7 @@
 """The camera through Aravis: opened, set up in the order that works, triggered, watched."""
 
 import contextlib
-from collections.abc import Callable, Generator
+from collections.abc import Generator, Iterable
 from typing import Any
 
 from station.capture.aravis import Aravis, GLib
@@ -12,12 +12,6 @@ from station.errors import CameraError, CameraLost, CameraRefused, CameraUnreach
 from station.settings import SensorSettings
 
 _PIXEL_FORMAT = "Mono8"
-_IN_USE = frozenset(
-    {
-        Aravis.DeviceError.NOT_CONTROLLER,
-        Aravis.DeviceError.PROTOCOL_ERROR_ACCESS_DENIED,
-    }
-)
 
 
 class Camera:
@@ -41,7 +35,9 @@ class Camera:
             raise _unopened(address, error) from error
         self._device = self._camera.get_device()
         if not self.in_control():
-            raise CameraRefused(f"camera {address} is controlled by another program; end that first")
+            raise CameraRefused(
+                f"camera {address} is controlled by another program; end that first"
+            )
         with self._talking():
             self._set_up()
             *_, self.width, self.height = self._camera.get_region()
@@ -60,14 +56,16 @@ class Camera:
             return False
         return self.in_control()
 
-    def start(self, trigger: Trigger, ring: Ring, free_slots: set[int]) -> FrameStream:
+    def start(self, trigger: Trigger, ring: Ring, free_slots: Iterable[int]) -> FrameStream:
         """Begin to acquire into the free slots of the ring."""
         with self._talking():
             self._set_trigger(trigger)
             stream = self._camera.create_stream(None, None)
             if stream is None:
                 raise CameraError(f"camera {self._settings.address} gives no stream; open it again")
-            frames = FrameStream(stream, ring, self.payload_bytes, free_slots)
+            frames = FrameStream(stream, ring, self.payload_bytes)
+            for slot in free_slots:
+                frames.lend(slot)
             self._camera.start_acquisition()
             return frames
 

@@ -4,7 +4,6 @@ import json
 import socket
 import subprocess
 import sys
-import time
 from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -128,6 +127,12 @@ class RecorderLink:
             self._order(entry)
         return outcomes
 
+    def abandon(self) -> tuple[Entry, ...]:
+        """Give up the entries on their way; return them."""
+        given_up = tuple(self._pending)
+        self._pending.clear()
+        return given_up
+
     def finish(self, accounting: Mapping[str, str]) -> dict[str, Any]:
         """Finish the recording; all entries must have been answered."""
         answer = self._ask({"do": "finish", "accounting": dict(accounting)}, _FINISH_TIMEOUT_S)
@@ -148,7 +153,11 @@ class RecorderLink:
 
     def _close(self) -> None:
         self._link.close()
-        self._process.wait(_FINISH_TIMEOUT_S)
+        try:
+            self._process.wait(_FINISH_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
 
     def _order(self, entry: Entry) -> None:
         if isinstance(entry, FrameEntry):

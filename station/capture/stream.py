@@ -7,9 +7,8 @@ from typing import Any
 from station.capture.aravis import Aravis
 from station.capture.ring import Ring
 
-# Aravis 0.8.26 measures a frame's age from its first packet's slot in the queue: with its default
-# of 0.1 s the first frame after a pause is given up before it is complete.
 _FRAME_RETENTION_US = 5_000_000
+"""With its default of 0.1 s Aravis 0.8.26 gives up the first frame after a pause."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,44 +27,77 @@ class ReceivedFrame:
     """Why it is incomplete; None where it is whole."""
 
 
-@dataclass(frozen=True, slots=True)
-class StreamCounters:
-    """What the driver counts."""
-
-    resent_packets: int = 0
-    underruns: int = 0
-    """Frames that met no free slot."""
-
-
 class FrameStream:
     """The open stream of an acquiring camera.
 
     It is asked for frames, never called back: a callback waits for the interpreter's lock in the
-    thread that must empty the socket.
+    very thread that must empty the socket.
     """
 
-    def __init__(self, stream: Any, ring: Ring, payload_bytes: int, free_slots: set[int]) -> None:
+    def __init__(self, stream: Any, ring: Ring, payload_bytes: int) -> None:
         stream.set_property("socket-buffer", Aravis.GvStreamSocketBuffer.AUTO)
         stream.set_property("frame-retention", _FRAME_RETENTION_US)
         self._stream = stream
-        self._ring = ring
-        self._payload_bytes = payload_bytes
-        self._slot_of: dict[Any, int] = {}
-        self._buffers: dict[int, Any] = {}
-        for slot in sorted(free_slots):
-            self.give_back(slot)
+        self._buffers = {
+            slot: Aravis.Buffer.new(payload_bytes, ring.address(slot)) for slot in range(ring.slots)
+        }
+        self._slot_of = {buffer: slot for slot, buffer in self._buffers.items()}
+        self.lent: set[int] = set()
+        """Slots that the driver fills or may fill."""
+
+    @property
+    def resent_packets(self) -> int:
+        """Packets that came on request, lost at first."""
+        return int(self._stream.get_info_uint64_by_name("n_resent_packets"))
+
+    @property
+    def underruns(self) -> int:
+        """Frames that met no free slot."""
+        return int(self._stream.get_info_uint64_by_name("n_underruns"))
 
     @property
     def in_flight(self) -> bool:
         """Whether a frame is being received or waits to be taken."""
-        free, received = self._stream.get_n_buffers()
-        return bool(received or free < len(self._given))
+        empty, _ = self._stream.get_n_buffers()
+        return bool(empty < len(self.lent))
 
-    def give_back(self, slot: int) -> None:
+    def lend(self, slot: int) -> None:
         """Let a slot be filled."""
-        if slot not in self._buffers:
-            address = self._ring.address(slot)
-            buffer = Aravis.Buffer.new(self._payload_bytes, address)
-            self._buffers[slot] = buffer
-            self._slot_of[buffer] = slot
         self._stream.push_buffer(self._buffers[slot])
+        self.lent.add(slot)
+
+    def take(self, timeout_us: int) -> Iterator[ReceivedFrame]:
+        """Yield the frames that have come; wait for the first so long at most."""
+        buffer = self._stream.timeout_pop_buffer(timeout_us)
+        while buffer is not None:
+            yield self._taken(buffer)
+            buffer = self._stream.try_pop_buffer()
+
+    def close(self) -> list[ReceivedFrame]:
+        """Stop receiving; return what had come, the last perhaps in part."""
+        self._stream.stop_thread(False)  # the driver keeps the buffers, so that they can be taken
+        last = list(self.take(0))
+        # A camera can be opened again only when nothing of its stream is left.
+        self._slot_of.clear()
+        self._buffers.clear()
+        del self._stream
+        return last
+
+    def _taken(self, buffer: Any) -> ReceivedFrame:
+        slot = self._slot_of[buffer]
+        self.lent.discard(slot)
+        return ReceivedFrame(
+            slot=slot,
+            frame_id=buffer.get_frame_id(),
+            camera_ns=buffer.get_timestamp(),
+            received_ns=buffer.get_system_timestamp(),
+            width=buffer.get_image_width(),
+            height=buffer.get_image_height(),
+            flaw=_flaw(buffer.get_status()),
+        )
+
+
+def _flaw(status: Any) -> str | None:
+    if status == Aravis.BufferStatus.SUCCESS:
+        return None
+    return str(status.value_nick).replace("-", " ")

@@ -8,8 +8,12 @@ import typer
 from calib import Method, Target
 from station.cli.options import SensorOption, Sources, TargetText
 from station.cli.output import AsJson, emit, progress_bar
-from station.documents import CalibrationDocument, CameraDocument, MountingDocument
-from station.documents.base import write_whole
+from station.documents import (
+    CalibrationDocument,
+    CameraDocument,
+    MountingDocument,
+    write_whole,
+)
 from station.errors import NothingMeasurable
 from station.pipeline import calibrate_sources
 
@@ -46,14 +50,14 @@ def calibrate(
             camera=CameraDocument.read(camera).model() if camera else None,
             method=method,
             laser_off=laser_off or (),
-            mounting=MountingDocument.read(mounting) if mounting else None,
+            mounting=MountingDocument.read(mounting).settings() if mounting else None,
             progress=progress,
         )
     document = outcome.document
     document.write(out)
     if points is not None:
         write_whole(points, outcome.points_csv)
-    emit(document.model_dump(mode="json", exclude_none=True), _text(document, out), as_json=as_json)
+    emit(document.model_dump(mode="json"), _text(document, out), as_json=as_json)
     failed = [name for name, gate in document.quality.items() if not gate.passed]
     if failed:
         raise NothingMeasurable(

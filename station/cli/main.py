@@ -48,7 +48,7 @@ def build_app(wanted: str | None = None) -> typer.Typer:
             app.command(name)(_load(module, function))
     for name, module in GROUPS.items():
         if wanted in {None, name}:
-            app.add_typer(_load(module, "app"), name=name, **_PLAIN)
+            app.add_typer(_load(module, "app"), name=name)
     return app
 
 

@@ -77,9 +77,7 @@ def _draw_sensor(rng: np.random.Generator, side: Literal["left", "right"]) -> Se
         rig_from_camera=mounting,
         poses=target_scenes(rng, sensor, TARGET, lights),
         wheels=wheels,
-        passes=tuple(
-            scene for wheel in wheels for scene in _roll_by(rng, sensor, mounting, wheel)
-        ),
+        passes=tuple(scene for wheel in wheels for scene in _roll_by(rng, sensor, mounting, wheel)),
         noise_seed=int(rng.integers(2**32)),
     )
 

@@ -1,5 +1,6 @@
 """The files others rely on: camera.json, calibration.json, points.csv, results.json."""
 
+from station.documents.base import write_whole
 from station.documents.calibration import (
     CalibrationDocument,
     Gate,
@@ -34,4 +35,5 @@ __all__ = [
     "WheelDocument",
     "points_csv",
     "views_from_points",
+    "write_whole",
 ]

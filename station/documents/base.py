@@ -40,7 +40,7 @@ class Document(BaseModel):
 
     def write(self, path: Path) -> None:
         """Write the document whole or not at all: a reader never sees half of it."""
-        write_whole(path, self.model_dump_json(indent=2, exclude_none=True) + "\n")
+        write_whole(path, self.model_dump_json(indent=2) + "\n")
 
 
 def write_whole(path: Path, text: str) -> None:

@@ -1,5 +1,6 @@
 """calibration.json: the answer, and what went in, so that it can be questioned later."""
 
+import hashlib
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -63,8 +64,23 @@ class Gate(Document):
     passed: bool
 
 
-class MountingDocument(MountingSettings):
+class MountingDocument(Document):
     """How the sensor stood beside the track when it was calibrated."""
+
+    rotation_vector: tuple[float, float, float]
+    """Of rig_from_camera, rad."""
+    translation_mm: tuple[float, float, float]
+    """Of rig_from_camera."""
+    wheel_radius_mm: float = Field(default=420.0, gt=100.0, lt=1000.0)
+
+    @classmethod
+    def from_settings(cls, mounting: MountingSettings) -> Self:
+        """Take over the survey in the settings of a sensor."""
+        return cls(**mounting.model_dump())
+
+    def settings(self) -> MountingSettings:
+        """Return the survey as the settings of a sensor have it."""
+        return MountingSettings(**self.model_dump())
 
     def rig_from_camera(self) -> RigidTransform:
         """Return the survey as a motion."""
@@ -109,6 +125,11 @@ class CalibrationDocument(Document):
     def passed(self) -> bool:
         """Whether every gate was passed."""
         return all(gate.passed for gate in self.quality.values())
+
+    @property
+    def fingerprint(self) -> str:
+        """SHA-256 over the content, by which results name the calibration they rest on."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
     def laser_sensor(self) -> LaserSensor:
         """Return the sensor; without a joint covariance, camera and plane count as independent."""

@@ -4,16 +4,20 @@ from typing import Any, Literal
 
 from pydantic import AwareDatetime, Field
 
+from measure import Alarm, Quantity, Status
 from station.documents.base import Document
 
 
 class ReadingDocument(Document):
-    """One quantity of one wheel; `value` and `u95` are absent where it could not be measured."""
+    """One quantity of one wheel, mm; `value` and `u95` are null where it could not be measured."""
 
     value: float | None = None
     u95: float | None = None
-    status: str
-    alarm: str
+    status: Status
+    alarm: Alarm
+
+
+_MISSING = ReadingDocument(status=Status.MISSING, alarm=Alarm.UNKNOWN)
 
 
 class ProfileDocument(Document):
@@ -25,7 +29,7 @@ class ProfileDocument(Document):
 
 
 class WheelDocument(Document):
-    """One wheel as seen by one sensor; an unmeasurable wheel has a reason instead of readings."""
+    """One wheel as seen by one sensor; one that could not be measured has a reason."""
 
     source: str
     sensor: str
@@ -34,10 +38,23 @@ class WheelDocument(Document):
     frames: tuple[int, ...] = ()
     """All frames of the wheel."""
     time: AwareDatetime | None = None
-    readings: dict[str, ReadingDocument] = Field(default_factory=dict)
+    flange_height: ReadingDocument = _MISSING
+    flange_thickness_10: ReadingDocument = _MISSING
+    flange_thickness_12: ReadingDocument = _MISSING
+    flange_gradient_qr: ReadingDocument = _MISSING
+    tread_wear: ReadingDocument = _MISSING
+    tread_wear_at_70: ReadingDocument = _MISSING
+    tread_wear_max: ReadingDocument = _MISSING
+    hollow_depth: ReadingDocument = _MISSING
     profile: ProfileDocument | None = None
     quality: dict[str, Any] = Field(default_factory=dict)
     reason: str | None = None
+    """Why nothing was measured."""
+
+    @property
+    def readings(self) -> dict[Quantity, ReadingDocument]:
+        """Every quantity."""
+        return {quantity: getattr(self, quantity.value) for quantity in Quantity}
 
 
 class MeasurementDocument(Document):

@@ -22,6 +22,7 @@ from station.operations.collaborators import (
 )
 from station.operations.layout import DataLayout
 from station.operations.passes import Passes, PassView
+from station.operations.salvage import salvage_recording
 from station.operations.sessions import Sessions, SessionView
 
 __all__ = [
@@ -42,5 +43,6 @@ __all__ = [
     "calibration_points",
     "cancel_job",
     "order_calibration",
+    "salvage_recording",
     "utc_now",
 ]

@@ -1,6 +1,7 @@
 """Having the sensors wait for triggers and record: one recording at a time on each."""
 
 from collections.abc import Iterable
+
 from sqlalchemy.orm import Session
 
 from station.capture import RecordingPlan, Trigger

@@ -5,6 +5,7 @@ from station.pipeline.frames import Frame, read_frames
 from station.pipeline.intrinsics import calibrate_camera_from_sources
 from station.pipeline.measure import measure_sources
 from station.pipeline.observe import Observations, observe_sources
+from station.pipeline.references import load_reference
 
 __all__ = [
     "CalibrationOutcome",
@@ -12,6 +13,7 @@ __all__ = [
     "Observations",
     "calibrate_camera_from_sources",
     "calibrate_sources",
+    "load_reference",
     "measure_sources",
     "observe_sources",
     "read_frames",

@@ -69,16 +69,25 @@ def calibrate_sources(
     progress(0.9, f"solving {method}")
     answer = calibrate(seen.views, target, width=width, height=height, camera=camera, method=method)
     left_out = (*seen.left_out, *((v.name, v.left_out) for v in answer.views if v.left_out))
-    document = _document(
-        answer,
-        sensor=sensor or seen.sensor or UNNAMED_SENSOR,
-        options={"target": str(target), "method": str(method), "camera_given": camera is not None},
-        inputs=fingerprints([*sources, *laser_off]),
-        left_out=dict(left_out),
-        quality=gates(answer, seen.views),
-        mounting=mounting,
-    )
     progress(1.0, "done")
+    document = CalibrationDocument(
+        sensor=sensor or seen.sensor or UNNAMED_SENSOR,
+        created=datetime.now(UTC),
+        software=SOFTWARE,
+        method=answer.method,
+        camera=CameraDocument.from_model(answer.sensor.camera),
+        plane=_plane(answer),
+        plane_covariance=answer.sensor.covariance[9:, 9:].tolist(),
+        sensor_covariance=answer.sensor.covariance.tolist(),
+        rms=RmsDocument(dots_px=answer.rms_dots_px, stripe_px=answer.rms_stripe_px),
+        poses=_poses(answer),
+        quality=gates(answer, seen.views),
+        options={"target": str(target), "method": method.value, "camera_given": camera is not None},
+        inputs=fingerprints([*sources, *laser_off]),
+        warnings=answer.warnings,
+        left_out=dict(left_out),
+        mounting=MountingDocument.from_settings(mounting) if mounting else None,
+    )
     return CalibrationOutcome(document, points_csv(seen.views, answer), left_out)
 
 
@@ -97,33 +106,21 @@ def _picture_size(seen: Observations, camera: CameraModel | None) -> tuple[int, 
     return camera.width, camera.height
 
 
-def _document(
-    answer: Calibration, *, mounting: MountingSettings | None, **parts: object
-) -> CalibrationDocument:
-    plane = answer.sensor.plane
-    poses = [view for view in answer.views if view.cam_from_board is not None]
-    values = dict(zip("abcd", plane.coefficients.tolist(), strict=True))
-    return CalibrationDocument(
-        created=datetime.now(UTC),
-        software=SOFTWARE,
-        method=str(answer.method),
-        camera=CameraDocument.from_model(answer.sensor.camera),
-        plane=PlaneDocument(**values),
-        plane_covariance=answer.sensor.covariance[9:, 9:].tolist(),
-        sensor_covariance=answer.sensor.covariance.tolist(),
-        rms=RmsDocument(dots_px=answer.rms_dots_px, stripe_px=answer.rms_stripe_px),
-        poses=[
-            PoseDocument(
-                image=view.name,
-                rotation_vector=view.cam_from_board.rotation_vector.tolist(),
-                translation_mm=view.cam_from_board.translation_mm.tolist(),
-            )
-            for view in poses
-            if view.cam_from_board is not None
-        ],
-        warnings=answer.warnings,
-        mounting=MountingDocument(**mounting.model_dump()) if mounting else None,
-        **parts,
+def _plane(answer: Calibration) -> PlaneDocument:
+    a, b, c, d = answer.sensor.plane.coefficients.tolist()
+    return PlaneDocument(a=a, b=b, c=c, d=d)
+
+
+def _poses(answer: Calibration) -> tuple[PoseDocument, ...]:
+    solved = ((view.name, view.cam_from_board) for view in answer.views)
+    return tuple(
+        PoseDocument(
+            image=name,
+            rotation_vector=tuple(pose.rotation_vector.tolist()),
+            translation_mm=tuple(pose.translation_mm.tolist()),
+        )
+        for name, pose in solved
+        if pose is not None
     )
 
 

@@ -8,6 +8,7 @@ from calib import Picture
 from station.errors import InputUnusable
 from station.pictures import RECORDING_SUFFIX, pictures_of, read_picture
 from station.recording import frames as recorded_frames
+from station.recording import info as recording_info
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,6 +61,27 @@ def _frames_of_recording(path: Path) -> Iterator[Frame]:
 def _frames_of_pictures(source: Path) -> Iterator[Frame]:
     for place, path in enumerate(pictures_of(source)):
         yield Frame(name=path.name, source=path.name, number=place, picture=read_picture(path))
+
+
+def count_frames(sources: Sequence[Path]) -> int:
+    """Return how many frames `read_frames` will yield, at least 1, without reading pictures.
+
+    Raises
+    ------
+    InputUnusable
+        If a source cannot be used.
+    RecordingUnreadable
+        If a recording is damaged.
+    """
+    count = 0
+    for source in sources:
+        recorded = source.suffix.lower() == RECORDING_SUFFIX
+        count += _frames_recorded(source) if recorded else len(pictures_of(source))
+    return max(count, 1)
+
+
+def _frames_recorded(path: Path) -> int:
+    return sum(sensor.frames for sensor in recording_info(path).sensors)
 
 
 def same_size_as(frame: Frame, first: Frame) -> Frame:

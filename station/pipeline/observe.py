@@ -1,22 +1,15 @@
 """Seeing the target in every picture of the sources, on all cores."""
 
-import os
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
-
-import cv2
 
 from calib import CalibError, Picture, Target, View, observe_target
 from station.documents import views_from_points
 from station.errors import InputUnusable
-from station.pipeline.frames import Frame, read_frames, same_size_as
+from station.pipeline.cores import map_on_all_cores
+from station.pipeline.frames import Frame, count_frames, read_frames, same_size_as
 from station.progress import Progress, silent
-
-_FEWEST_FOR_PROCESSES = 6  # starting a process costs as much as seeing about three pictures
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +81,7 @@ def _observe_pictures(
     views: list[View],
     progress: Progress,
 ) -> Observations:
+    total = count_frames(sources)
     left_out: list[tuple[str, str]] = []
     names: list[str] = []
     first: Frame | None = None
@@ -100,8 +94,8 @@ def _observe_pictures(
             names.append(frame.name)
             yield frame.picture, target, frame.name, off
 
-    for done, seen in enumerate(_on_all_cores(_observe_one, tasks()), start=1):
-        progress(1.0 - 0.95**done, f"picture {done}")
+    for done, seen in enumerate(map_on_all_cores(_observe_one, tasks()), start=1):
+        progress(done / total, f"picture {done} of {total}")
         if isinstance(seen, View):
             views.append(seen)
         else:
@@ -143,26 +137,3 @@ def _observe_one(task: _Task) -> View | str:
         return observe_target(picture, target, name=name, laser_off=laser_off)
     except CalibError as error:
         return str(error)
-
-
-def _on_all_cores(
-    work: Callable[[_Task], View | str], tasks: Iterable[_Task]
-) -> Iterator[View | str]:
-    """Map in order; few tasks stay in this process, pictures in flight stay few."""
-    cores = len(os.sched_getaffinity(0))
-    iterator = iter(tasks)
-    head = [task for task, _ in zip(iterator, range(_FEWEST_FOR_PROCESSES), strict=False)]
-    if len(head) < _FEWEST_FOR_PROCESSES or cores < 2:
-        yield from map(work, head)
-        yield from map(work, iterator)
-        return
-    # Spawned, not forked: the callers hold threads.
-    with ProcessPoolExecutor(
-        cores, mp_context=get_context("spawn"), initializer=cv2.setNumThreads, initargs=(1,)
-    ) as pool:
-        waiting: deque[Future[View | str]] = deque(pool.submit(work, task) for task in head)
-        for task in iterator:
-            yield waiting.popleft().result()
-            waiting.append(pool.submit(work, task))
-        while waiting:
-            yield waiting.popleft().result()

@@ -35,6 +35,8 @@ class EventKind(StrEnum):
     """The recorder died and another went on with its file."""
     CAPTURE_LOST = "capture_lost"
     """The capture process died; the recorder finished the file."""
+    RECORDER_FAILED = "recorder_failed"
+    """Nothing more could be written; the file ends here."""
     DISK_FULL = "disk_full"
     """No space was left; the file ends here."""
     RECOVERED = "recovered"

@@ -4,6 +4,7 @@ Physics rather than stickers: distortion, discs, a light sheet of Gaussian thick
 flare, speckle, shot and read noise, saturation.
 """
 
+from station.scenes.cylinder_scene import CylinderScene, cylinder_poses
 from station.scenes.detector import Detector
 from station.scenes.installation import paper_sensor, projector_in_cam_mm, trackside_mounting
 from station.scenes.light import Light
@@ -15,6 +16,7 @@ from station.scenes.wheel_scene import WheelScene
 from station.scenes.wheel_truth import TrueReadings, WheelTruth
 
 __all__ = [
+    "CylinderScene",
     "Detector",
     "Lens",
     "Light",
@@ -23,6 +25,7 @@ __all__ = [
     "TrueReadings",
     "WheelScene",
     "WheelTruth",
+    "cylinder_poses",
     "paper_sensor",
     "pose_through_dots",
     "projector_in_cam_mm",

@@ -1,4 +1,4 @@
-"""What a calibration target looks like: where it glows, how much light it returns, where it ends."""
+"""What a calibration target looks like: where it glows, what light it returns, where it ends."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -36,9 +36,11 @@ class BoardMap:
     @classmethod
     def of(cls, x_mm: Counts, y_mm: Counts) -> "BoardMap":
         """Make the map of the places themselves."""
-        return cls(x_mm, y_mm, np.stack(np.gradient(x_mm)), np.stack(np.gradient(y_mm)))
+        return cls(x_mm, y_mm, np.array(np.gradient(x_mm)), np.array(np.gradient(y_mm)))
 
-    def filled(self, inside_mm: Counts, toward_x: Counts, toward_y: Counts) -> Counts:
+    def filled(
+        self, inside_mm: Counts, toward_x: Counts | np.float32, toward_y: Counts | np.float32
+    ) -> Counts:
         """Return the share of each pixel that lies inside an edge.
 
         Parameters
@@ -50,13 +52,18 @@ class BoardMap:
 
         Notes
         -----
-        The distance in pixels is the distance on the board over its change per pixel; a
-        straight edge that distant from the pixel's centre leaves nearly 1/2 + distance.
+        The distance in pixels is the distance on the board over its change per pixel. A straight
+        edge there cuts the square of the pixel into two, whose areas `_cut_square` gives.
         """
         along_v = toward_x * self.x_per_px[0] + toward_y * self.y_per_px[0]
         along_u = toward_x * self.x_per_px[1] + toward_y * self.y_per_px[1]
         per_px = np.sqrt(along_u * along_u + along_v * along_v)
-        return np.asarray(np.clip(0.5 + inside_mm / per_px, 0.0, 1.0), dtype=np.float32)
+        distance_px = inside_mm / per_px
+        share = (distance_px > 0.0).astype(np.float32)
+        near = np.abs(distance_px) < np.float32(0.75)
+        tilt_u, tilt_v = np.abs(along_u[near] / per_px[near]), np.abs(along_v[near] / per_px[near])
+        share[near] = _cut_square(distance_px[near], tilt_u, tilt_v)
+        return np.asarray(share)
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,22 +118,14 @@ def appearance(target: Target, place: BoardMap, grain_contrast: float) -> Appear
     grain_contrast
         Standard deviation over mean of what the bare board returns.
     """
-    board = _board_share(target, place)
     grain = _grain(place)
-    if target.kind == "chessboard":
-        ink = _chessboard(target, place)
-    else:
-        ink = _dots(target, place)[0]
     if target.kind == "chessboard" or target.dark:
-        paper = 1.0 + 0.3 * grain_contrast * grain
-        white = (0.8 - 0.74 * ink) * paper
-        nothing = np.zeros_like(ink)
-        return Appearance(board, nothing, white, nothing, (1.6 - 1.2 * ink) * paper, grain)
+        return _printed(target, place, grain, grain_contrast)
     dot, lamps = _dots(target, place)
     metal = 1.0 - dot
-    returned = 1.0 + grain_contrast * grain
+    returned = 1.0 + np.float32(grain_contrast) * grain
     return Appearance(
-        board=board,
+        board=_board_share(target, place),
         lamps=lamps,
         white=np.asarray(0.3 * metal * returned + 0.5 * dot, dtype=np.float32),
         metal=metal,
@@ -134,6 +133,41 @@ def appearance(target: Target, place: BoardMap, grain_contrast: float) -> Appear
         laser=np.asarray(metal * returned + 2.0 * dot, dtype=np.float32),
         grain=grain,
     )
+
+
+def _printed(target: Target, place: BoardMap, grain: Counts, grain_contrast: float) -> Appearance:
+    """Return what a window sees of ink on paper: nothing glows and nothing shines."""
+    ink = _chessboard(target, place) if target.kind == "chessboard" else _dots(target, place)[0]
+    paper = 1.0 + np.float32(0.3 * grain_contrast) * grain
+    nothing = np.zeros(ink.shape, dtype=np.float32)
+    return Appearance(
+        board=_board_share(target, place),
+        lamps=nothing,
+        white=np.asarray((0.8 - 0.74 * ink) * paper, dtype=np.float32),
+        metal=nothing,
+        laser=np.asarray((1.6 - 1.2 * ink) * paper, dtype=np.float32),
+        grain=grain,
+    )
+
+
+def _cut_square(distance: Counts, tilt_u: Counts, tilt_v: Counts) -> Counts:
+    """Return the area of a unit square on one side of a line.
+
+    Parameters
+    ----------
+    distance
+        Of the line from the square's middle, positive where that lies inside.
+    tilt_u, tilt_v
+        Absolute components of the line's unit normal.
+    """
+    steep, flat = np.maximum(tilt_u, tilt_v), np.minimum(tilt_u, tilt_v)
+    far = np.abs(distance)
+    # The line cuts two opposite sides of the square, or it cuts off a corner: a triangle.
+    trapezoid = 0.5 - far / steep
+    to_corner = np.maximum(0.5 * (steep + flat) - far, 0.0)
+    triangle = to_corner**2 / np.maximum(2.0 * steep * flat, np.float32(1e-12))
+    outside = np.where(far <= 0.5 * (steep - flat), trapezoid, triangle)
+    return np.asarray(np.where(distance > 0.0, 1.0 - outside, outside), dtype=np.float32)
 
 
 def _board_share(target: Target, place: BoardMap) -> Counts:

@@ -36,9 +36,7 @@ class BoardView:
     normal_in_cam: FloatArray
 
     @classmethod
-    def of(
-        cls, camera: CameraModel, cam_from_board: RigidTransform, window: Window
-    ) -> "BoardView":
+    def of(cls, camera: CameraModel, cam_from_board: RigidTransform, window: Window) -> "BoardView":
         """Meet the rays of a window with the plane of the board."""
         x, y = ray_map(camera, window)
         rotation, origin = cam_from_board.rotation, cam_from_board.translation_mm
@@ -103,7 +101,9 @@ def false_sheet(
     beside = np.array([-crossing.direction[1], crossing.direction[0]])
     # On the side where there is more board, one to three pitches away, a few degrees turned.
     side = 1.0 if (centre - crossing.nearest_mm) @ beside >= 0.0 else -1.0
-    shifts_mm = side * target.pitch_mm * (rng.uniform(1.0, 3.0) + np.array([-0.5, 0.5]) * rng.normal())
+    shifts_mm = (
+        side * target.pitch_mm * (rng.uniform(1.0, 3.0) + np.array([-0.5, 0.5]) * rng.normal())
+    )
     ends = crossing.nearest_mm + np.outer([-half, half], crossing.direction)
     ends += np.outer(shifts_mm, beside)
     ends_in_cam = cam_from_board.apply(np.column_stack([ends, np.zeros(2)]))
@@ -125,9 +125,7 @@ def _sunlit(across_x: Counts, across_y: Counts, rng: np.random.Generator) -> Cou
     return np.asarray(0.575 + 0.425 * np.tanh(along / 0.04), dtype=np.float32)
 
 
-def _shine(
-    across_x: Counts, across_y: Counts, grain: Counts, rng: np.random.Generator
-) -> Counts:
+def _shine(across_x: Counts, across_y: Counts, grain: Counts, rng: np.random.Generator) -> Counts:
     """Return the picture of a lamp or the sun in rough metal: a patch of a third of the board."""
     x0, y0 = rng.uniform(0.2, 0.8, 2)
     angle = rng.uniform(0.0, np.pi)

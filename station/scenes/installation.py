@@ -19,9 +19,9 @@ _PLANE = (0.0151, 0.8186, -0.5742, 279.06)
 _BASELINE_MM = 340.0
 
 # In the section of the wheel the back face stands at 0 and the flange face at 20 degrees to the
-# radius. Only a sensor that looks in from between the two sees both; 16 degrees within the
+# radius. Only a sensor that looks in from between the two sees both; 15 degrees within the
 # sheet put its camera near 5 and 10 degrees, and its laser near 9 and 12, at those faces.
-_TILT_RAD = math.radians(16.0)
+_TILT_RAD = math.radians(15.0)
 _BELOW_HORIZON_RAD = math.radians(30.0)
 _AIM_LATERAL_MM = -15.0
 
@@ -37,7 +37,8 @@ def paper_sensor() -> LaserSensor:
 def projector_in_cam_mm(sensor: LaserSensor) -> FloatArray:
     """Return where the fan of the laser starts: the place in the sheet above the camera, (3,)."""
     above = np.array([0.0, -_BASELINE_MM, 0.0])
-    return above - sensor.plane.distance_mm(above[None])[0] * sensor.plane.normal_in_cam
+    distance_mm = float(sensor.plane.distance_mm(above[None])[0])
+    return above - distance_mm * sensor.plane.normal_in_cam
 
 
 def trackside_mounting(side: Side) -> RigidTransform:
@@ -57,9 +58,11 @@ def trackside_mounting(side: Side) -> RigidTransform:
         raise ValueError(f"side must be left or right, got {side!r}")
     sensor = paper_sensor()
     ahead = 1.0 if side == "left" else -1.0
-    outward_in_rig = np.array(
-        [ahead * math.cos(_BELOW_HORIZON_RAD), 0.0, -math.sin(_BELOW_HORIZON_RAD)]
-    )
+    outward_in_rig = np.array([
+        ahead * math.cos(_BELOW_HORIZON_RAD),
+        0.0,
+        -math.sin(_BELOW_HORIZON_RAD),
+    ])
     axle_in_rig = np.array([0.0, 1.0, 0.0])
     aim_in_rig_mm = (
         np.array([0.0, _AIM_LATERAL_MM, WHEEL_RADIUS_MM]) + WHEEL_RADIUS_MM * outward_in_rig

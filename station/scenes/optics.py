@@ -65,9 +65,10 @@ class Lens:
             (max(1, width // _FLARE_SCALE), max(1, height // _FLARE_SCALE)),
             interpolation=cv2.INTER_AREA,
         )
-        halo = np.zeros_like(small)
+        halo = np.zeros(small.shape, dtype=np.float32)
         for share, sigma_px in zip(self.flare, self.flare_px, strict=True):
-            halo += share * cv2.GaussianBlur(small, (0, 0), sigma_px / _FLARE_SCALE)
+            wide = cv2.GaussianBlur(small, (0, 0), sigma_px / _FLARE_SCALE)
+            halo += np.asarray(np.float32(share) * wide, dtype=np.float32)
         kept = light * np.float32(1.0 - sum(self.flare))
         kept += cv2.resize(halo, (width, height), interpolation=cv2.INTER_LINEAR)
         kept *= self._fall(camera)
@@ -78,4 +79,3 @@ class Lens:
         u = (np.arange(camera.width, dtype=np.float32) - np.float32(camera.cx))[None, :]
         corner_px2 = (camera.width**2 + camera.height**2) / 4.0
         return np.asarray(1.0 - self.corner / corner_px2 * (u * u + v * v), dtype=np.float32)
-

@@ -21,9 +21,7 @@ def ray_map(camera: CameraModel, window: Window) -> NDArray[np.float32]:
 
 
 @lru_cache(maxsize=2)
-def _whole_map(
-    parameters: tuple[float, ...], width: int, height: int
-) -> NDArray[np.float32]:
+def _whole_map(parameters: tuple[float, ...], width: int, height: int) -> NDArray[np.float32]:
     camera = CameraModel.from_parameters(np.array(parameters), width=width, height=height)
     rays = np.empty((2, height, width), dtype=np.float32)
     for top in range(0, height, _ROWS_AT_ONCE):

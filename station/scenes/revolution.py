@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from calib import FloatArray, LightPlane, RigidTransform
+from calib import BoolArray, FloatArray, IntArray, LightPlane, RigidTransform
 from station.scenes.wheel_truth import WheelProfile
 
 _TABLE_STEP_MM = 0.02
@@ -30,7 +30,7 @@ class Section:
 
     points_in_cam_mm: FloatArray
     normals_in_cam: FloatArray
-    place: FloatArray
+    place: IntArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,7 +106,9 @@ class Revolution:
 
         n_y, n_z = self.profile.normals[met].T[..., None]
         outward = flat / radius[:, None, None]
-        points = np.stack([flat[..., 0], np.broadcast_to(y[:, None], height.shape), flat[..., 1]], -1)
+        points = np.stack(
+            [flat[..., 0], np.broadcast_to(y[:, None], height.shape), flat[..., 1]], -1
+        )
         normals = np.stack(
             [n_z * outward[..., 0], np.broadcast_to(n_y, height.shape), n_z * outward[..., 1]], -1
         )
@@ -116,7 +118,7 @@ class Revolution:
             np.flatnonzero(met),
         )
 
-    def sees(self, points_in_cam_mm: FloatArray, eye_in_cam_mm: FloatArray) -> FloatArray:
+    def sees(self, points_in_cam_mm: FloatArray, eye_in_cam_mm: FloatArray) -> BoolArray:
         """Tell which points of the surface, shape (N, 3), can be seen from an eye, shape (3,)."""
         axle_from_cam = self.cam_from_axle.inverse()
         points = axle_from_cam.apply(points_in_cam_mm)
@@ -162,7 +164,7 @@ class Revolution:
         normals[near] = self._normals(met) @ self.cam_from_axle.rotation.T
         return points, normals
 
-    def _reach(self, eye: FloatArray, sight: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _reach(self, eye: FloatArray, sight: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Return how far off each line of sight enters the cylinder around the body, and whether.
 
         Lines that stay beyond its ends do not count.

@@ -54,9 +54,7 @@ class LaserSheet:
         object.__setattr__(self, "waves", frozen(self.waves, (None, 3), "waves"))
 
     @classmethod
-    def of_sensor(
-        cls, sensor: LaserSensor, rng: np.random.Generator, *, unevenness: float
-    ) -> Self:
+    def of_sensor(cls, sensor: LaserSensor, rng: np.random.Generator, *, unevenness: float) -> Self:
         """Make the sheet of a sensor: 0.9 mm thick, its fan uneven by a standard deviation."""
         source = projector_in_cam_mm(sensor)
         aim = sensor.plane.intersect(np.array([[0.0, 0.0, 1.0]]))[0]
@@ -112,9 +110,9 @@ class LaserSheet:
         across = np.cross(self.plane.normal_in_cam, self.axis_in_cam)
         angle = np.arctan2(beams @ across, beams @ self.axis_in_cam)
         sigma = self.sigma_mm * (1.0 + 0.1 * np.sin(7.0 * angle + self.waves[0, 2]))
-        cosine = -np.einsum(
-            "ij,ij->i", beams, np.broadcast_to(normals_in_cam, beams.shape)
-        ) / distance
+        cosine = (
+            -np.einsum("ij,ij->i", beams, np.broadcast_to(normals_in_cam, beams.shape)) / distance
+        )
         profile = np.exp(-0.5 * (self.plane.distance_mm(points_in_cam_mm) / sigma) ** 2)
         bright = self.power * self._fan(angle) * _REFERENCE_MM / distance
         return np.asarray(bright * profile * np.maximum(cosine, 0.0))
@@ -130,7 +128,7 @@ class LaserSheet:
         uneven = 1.0 + waves @ self.waves[:, 0]
         soft_ends = np.exp(-2.0 * (_ANGLES_RAD / _HALF_FAN_RAD) ** 6)
         table = np.maximum(uneven, 0.05) * soft_ends
-        return np.interp(angle_rad, _ANGLES_RAD, table, left=0.0, right=0.0)
+        return np.asarray(np.interp(angle_rad, _ANGLES_RAD, table, left=0.0, right=0.0))
 
 
 def _draw_waves(rng: np.random.Generator, unevenness: float) -> FloatArray:

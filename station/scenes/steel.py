@@ -1,4 +1,4 @@
-"""How the steel of a wheel returns light: rust and dirt all round, shine where the rail polishes."""
+"""How the steel of a wheel returns light: dust and rust all round, shine where it is polished."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ _ROUGHNESS_EXPONENT = 10.0
 # Along the profile (y, mm): the flange back is rusty, the tip greasy, the face dusty, the tread
 # rolled bright. What is not returned to all sides is, on the tread, returned as shine.
 _PLACES_MM = (-70.0, -66.0, -60.0, -50.0, -43.0, -34.0, -27.0, 33.0, 40.0)
-_MATT = (0.95, 0.6, 0.36, 0.36, 0.85, 0.8, 0.25, 0.25, 0.6)
+_MATT = (0.95, 0.55, 0.3, 0.3, 0.85, 0.85, 0.25, 0.25, 0.45)
 _SHINE = (0.05, 0.1, 0.2, 0.2, 0.1, 0.1, 0.55, 0.55, 0.1)
 
 

@@ -108,9 +108,7 @@ class TargetScene:
         if self.laser_on:
             frame += self._stripes(view, look, by_chance)
 
-    def _stripes(
-        self, view: BoardView, look: Appearance, by_chance: np.random.Generator
-    ) -> Counts:
+    def _stripes(self, view: BoardView, look: Appearance, by_chance: np.random.Generator) -> Counts:
         """Return the light of the true stripe and, where the light has one, of the false."""
         sheet = LaserSheet.of_sensor(
             self.sensor, by_chance, unevenness=self.recipe.stripe_unevenness

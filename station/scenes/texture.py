@@ -4,6 +4,7 @@ import math
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from station.scenes.patch import Counts
 
@@ -28,7 +29,7 @@ def brushed(rng: np.random.Generator, shape: tuple[int, int]) -> Counts:
     """Return the grain of a brushed plate: long along the columns' axis, fine across."""
     white = rng.standard_normal(shape, dtype=np.float32)
     fine = cv2.GaussianBlur(white, (0, 0), sigmaX=12.0, sigmaY=0.8)
-    return _normalised(_normalised(fine) + 0.7 * clouds(rng, shape, 64.0))
+    return _normalised(_normalised(np.asarray(fine)) + np.float32(0.7) * clouds(rng, shape, 64.0))
 
 
 def speckle(
@@ -56,11 +57,11 @@ def speckle(
     if contrast == 0.0:
         return np.ones(shape, dtype=np.float32)
     white = rng.standard_normal(shape, dtype=np.float32)
-    grains = cv2.GaussianBlur(white, (0, 0), grain_px)
     # White noise through a Gaussian of sigma g keeps the standard deviation 1 / (2 sqrt(pi) g).
-    grains *= np.float32(contrast * 2.0 * math.sqrt(math.pi) * grain_px)
+    strength = np.float32(contrast * 2.0 * math.sqrt(math.pi) * grain_px)
+    grains = strength * cv2.GaussianBlur(white, (0, 0), grain_px)
     return np.asarray(np.maximum(1.0 + grains, 0.0), dtype=np.float32)
 
 
-def _normalised(field: Counts) -> Counts:
+def _normalised(field: NDArray[np.floating]) -> Counts:
     return np.asarray((field - field.mean()) / field.std(), dtype=np.float32)

@@ -1,15 +1,13 @@
 """The light that comes from a wheel: what the laser throws on its rim, and daylight on its body."""
 
-import math
-
 import cv2
 import numpy as np
 
-from calib import CameraModel, FloatArray
+from calib import CameraModel, FloatArray, IntArray
 from station.scenes.light import LightRecipe
 from station.scenes.patch import Counts, Window
 from station.scenes.rays import ray_map
-from station.scenes.revolution import Revolution, Section
+from station.scenes.revolution import Revolution
 from station.scenes.sheet import LaserSheet
 from station.scenes.steel import returned
 
@@ -123,7 +121,7 @@ def _towards(eye_in_cam_mm: FloatArray, points: FloatArray) -> FloatArray:
     return np.asarray(way / np.linalg.norm(way, axis=-1, keepdims=True))
 
 
-def _areas_px(pixels: FloatArray, rows: FloatArray) -> FloatArray:
+def _areas_px(pixels: FloatArray, rows: IntArray) -> FloatArray:
     """Return the area of the picture of each grid piece, shape (S, Q), px².
 
     Where rows were left out (hidden), the pieces at the rim of the gap keep their own size.

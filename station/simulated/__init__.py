@@ -4,7 +4,7 @@ It has what a station needs to be tried without a track: any address of the loop
 packets sent again, hardware triggers with exact times, and faults on demand.
 """
 
-from station.simulated.camera import SimulatedCamera
+from station.simulated.camera import SimulatedCamera, parse_address
 from station.simulated.counters import Statistics
 from station.simulated.device import DeviceOptions
 from station.simulated.discovery import probe_camera
@@ -12,6 +12,8 @@ from station.simulated.faults import Faults
 from station.simulated.identity import Identity
 from station.simulated.picture_folder import PictureFolder
 from station.simulated.process import MakeSource, SimulatedCameraProcess
+from station.simulated.recording_source import RecordingSource
+from station.simulated.scenery import SceneKind, render_scenes
 from station.simulated.sources import ArraySource, FrameSource, SceneSource
 
 __all__ = [
@@ -22,9 +24,13 @@ __all__ = [
     "Identity",
     "MakeSource",
     "PictureFolder",
+    "RecordingSource",
+    "SceneKind",
     "SceneSource",
     "SimulatedCamera",
     "SimulatedCameraProcess",
     "Statistics",
+    "parse_address",
     "probe_camera",
+    "render_scenes",
 ]

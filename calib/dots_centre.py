@@ -1,0 +1,205 @@
+"""The centres of dots whose outlines are roughly known, and how well they are known."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from calib import disc
+from calib.arrays import BoolArray, FloatArray, IntArray, Picture
+from calib.ellipse import Ellipses
+from calib.noise import PixelNoise
+from calib.patch_fit import Patches, PatchFit, fit_patches
+from calib.stripe_lines import StripeLine
+
+SCALES_PX = (1.0, 2.0)
+"""Gaussian kernels of the multi-scale spread, besides the picture as it is."""
+
+_EDGE_REACH_PX = 5.0
+_START_BLUR_PX = 1.5
+_BAND_LEVEL = 0.04  # of a dot's height: where a stripe's foot no longer disturbs it
+_WIDEST_BAND = 4.0  # in widths of the stripe
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DotCentres:
+    """What was measured of N dots.
+
+    Attributes
+    ----------
+    centre_px, sigma_px
+        Shape (N, 2).
+    outlines
+        The N ellipses.
+    height, ground, slope
+        Shape (N,): counts over the ground, counts of the ground, change of the ground across
+        the dot.
+    scatter
+        Shape (N,), what the fit leaves over what noise explains.
+    hidden, clipped
+        Shape (N,), share of the edge under a stripe, share of the pixels at the sensor's limit.
+    trusted
+        Shape (N,), the fit found a disc of the size looked for, where it was looked for.
+    """
+
+    centre_px: FloatArray
+    sigma_px: FloatArray
+    outlines: Ellipses
+    height: FloatArray
+    ground: FloatArray
+    slope: FloatArray
+    scatter: FloatArray
+    hidden: FloatArray
+    clipped: FloatArray
+    trusted: BoolArray
+
+    def __len__(self) -> int:
+        return len(self.centre_px)
+
+
+def measure_dots(
+    picture: Picture,
+    noise: PixelNoise,
+    outlines: Ellipses,
+    lines: list[StripeLine],
+    *,
+    dark: bool,
+) -> DotCentres:
+    r"""Fit a blurred, clipped disc to each dot's edge.
+
+    Parameters
+    ----------
+    picture
+        Shape (H, W).
+    noise
+        Noise of its pixels.
+    outlines
+        Where the dots are, to about a fifth of their radius.
+    lines
+        Stripes that cross the dots: what they light up is not looked at.
+    dark
+        Dots are darker than their ground.
+
+    Returns
+    -------
+    DotCentres
+        The centre is that of the ellipse, which is the centroid of the disc's picture.
+
+    Notes
+    -----
+    Only pixels within 5 px of the outline are used: the flat rest tells nothing of the centre.
+    Sigma is the larger of what noise and scatter give by the fit, and of the spread of the
+    centre over Gaussian kernels [1]_, which shows what a disc's model does not explain: a
+    neighbour's light, a reflection's border.
+
+    References
+    ----------
+    .. [1] "High-accuracy calibration of line-structured light vision sensor by correction of
+       image deviation", Optics Express 27(4), 2019, section 2.1.1.
+    """
+    origin = np.rint(outlines.centre_px).astype(np.int64)
+    first = disc.start(outlines, origin, _START_BLUR_PX)
+    offset, ring = _ring(first, outlines)
+    smooth = np.asarray(cv2.blur(picture, (3, 3)), dtype=np.uint8)
+    patches = Patches.cut(picture, smooth, noise, origin, offset, ring)
+    _set_brightness(first, patches, offset)
+    band = _under_stripes(lines, patches, np.abs(first[:, disc.HEIGHT]))
+    seen = _without(patches, band)
+    fit = fit_patches(seen, first, disc.evaluate, disc.sound)
+    spread = _spread_over_scales(picture, seen, fit)
+    by_noise = np.sqrt(np.einsum("nii->ni", fit.covariance))
+    edge = ring & (np.abs(disc.inward_px(first, offset.astype(np.float64))) < 2.5)
+    sign = -1.0 if dark else 1.0
+    radius = outlines.radius_px
+    parameters = fit.parameters
+    return DotCentres(
+        centre_px=parameters[:, :2] + origin,
+        sigma_px=np.maximum(by_noise, spread),
+        outlines=disc.outlines(parameters, origin.astype(np.float64)),
+        height=sign * parameters[:, disc.HEIGHT],
+        ground=parameters[:, disc.GROUND],
+        slope=2.0 * radius * np.hypot(parameters[:, disc.GROUND_U], parameters[:, disc.GROUND_V]),
+        scatter=fit.scatter,
+        hidden=(edge & band).sum(axis=1) / np.maximum(edge.sum(axis=1), 1),
+        clipped=(patches.clipped & ring).sum(axis=1) / np.maximum(ring.sum(axis=1), 1),
+        trusted=_trusted(fit, first, sign, by_noise),
+    )
+
+
+def _ring(first: FloatArray, outlines: Ellipses) -> tuple[IntArray, BoolArray]:
+    """Return the offsets of pixels near any outline, and which are near which."""
+    reach = int(np.ceil(float(outlines.axes_px.max()) + _EDGE_REACH_PX))
+    side = np.arange(-reach, reach + 1)
+    offset = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    ring = np.abs(disc.inward_px(first, offset.astype(np.float64))) <= _EDGE_REACH_PX
+    used = ring.any(axis=0)
+    return offset[used], ring[:, used]
+
+
+def _set_brightness(first: FloatArray, patches: Patches, offset: IntArray) -> None:
+    """Put the medians of what lies outside and inside the outlines into the first parameters."""
+    inward = disc.inward_px(first, offset.astype(np.float64))
+    used = patches.weight > 0.0
+    for column, side in ((disc.GROUND, inward < -2.0), (disc.HEIGHT, inward > 2.0)):
+        masked = np.ma.masked_array(patches.samples, ~(used & side))
+        first[:, column] = np.ma.median(masked, axis=1).filled(0.0)
+    first[:, disc.HEIGHT] -= first[:, disc.GROUND]
+
+
+def _under_stripes(lines: list[StripeLine], patches: Patches, height: FloatArray) -> BoolArray:
+    """Return which pixels a stripe lights up by more than a little of the dot's height."""
+    place = (patches.origin[:, None, :] + patches.offset).astype(np.float64)
+    under = np.zeros(patches.samples.shape, dtype=bool)
+    for line in lines:
+        foot = np.maximum(_BAND_LEVEL * height, 1.0)
+        widths = np.sqrt(2.0 * np.log(np.maximum(line.peak / foot, 1.5)))
+        half = 1.0 + line.width_px * np.minimum(widths, _WIDEST_BAND)
+        under |= np.abs(line.across_px(place)) < half[:, None]
+    return under
+
+
+def _without(patches: Patches, hidden: BoolArray) -> Patches:
+    return Patches(
+        patches.origin,
+        patches.offset,
+        patches.samples,
+        np.where(hidden, 0.0, patches.weight),
+        patches.clipped,
+    )
+
+
+def _spread_over_scales(picture: Picture, patches: Patches, fit: PatchFit) -> FloatArray:
+    """Return the standard deviation of the centre over kernels, shape (N, 2)."""
+    centres = [fit.parameters[:, :2]]
+    for scale in SCALES_PX:
+        smoothed = np.asarray(cv2.GaussianBlur(picture, (0, 0), scale), dtype=np.uint8)
+        samples = patches.of(smoothed)
+        start = fit.parameters.copy()
+        start[:, disc.BLUR] = np.hypot(start[:, disc.BLUR], scale)
+        again = fit_patches(
+            Patches(patches.origin, patches.offset, samples, patches.weight, patches.clipped),
+            start,
+            disc.evaluate,
+            disc.sound,
+            iterations=2,
+        )
+        centres.append(again.parameters[:, :2])
+    return np.asarray(np.std(centres, axis=0))
+
+
+def _trusted(fit: PatchFit, first: FloatArray, sign: float, sigma: FloatArray) -> BoolArray:
+    found = disc.outlines(fit.parameters, np.zeros(2))
+    wanted = disc.outlines(first, np.zeros(2))
+    radius = wanted.radius_px
+    moved = np.linalg.norm(found.centre_px - wanted.centre_px, axis=1)
+    with np.errstate(invalid="ignore"):
+        size = found.radius_px / radius
+        stretch = found.axes_px[:, 1] / found.axes_px[:, 0]
+    height = sign * fit.parameters[:, disc.HEIGHT]
+    return np.asarray(
+        (moved < 0.4 * radius)
+        & (np.abs(np.log(size)) < np.log(1.35))
+        & (stretch < 3.0)
+        & (height > 3.0)
+        & (sigma.max(axis=1) < 0.08 * radius)
+    )

@@ -1,0 +1,124 @@
+"""A stripe laid over the reference by its own shape, where no survey of the installation is known.
+
+The cut is taken for radial. Which way the wheel lies in the sheet is found by trying, then
+refined on what does not wear; that the result leans on the reference is said in every status.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib import FloatArray, LaserSensor
+from measure.flange import Voters, find_flanges
+from measure.laying import Laid, Unmeasured, counted, keep, place_of_flange
+from measure.section import Section, SheetMap, SheetPoints
+from measure.template import Template
+
+# Outward is towards the camera, or the tread would not be seen.
+_ANGLES_RAD = np.radians(np.arange(-75.0, 75.1, 5.0))
+_SEARCH_POINTS = 250
+_BAND_MM = (-12.0, 4.0)
+_MIN_FIT_SHARE = 0.6
+_ROUNDS = 12
+_NEAR_MM = 3.0
+_HUBER_MM = 0.1
+_PAST_TIP_MM = 2.0
+# The flange's shape tells the rotation as well as real flanges keep to their drawing: 0.1 mm
+# over 30 mm.
+_SIGMA_ROTATION_RAD = 3e-3
+# An axle 20 mm off the sheet shortens heights by 20^2 / 2 R^2.
+_SIGMA_HEIGHT_SCALE = 1.1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class _Lie:
+    """How the wheel lies in the sheet."""
+
+    angle_rad: float
+    mirrored: bool
+
+    def map(self, sensor: LaserSensor) -> SheetMap:
+        return SheetMap.in_plane(sensor.plane, self.angle_rad, mirrored=self.mirrored)
+
+
+def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) -> Laid | Unmeasured:
+    """Lay a stripe over the reference by the shape of the flange."""
+    lie = _best_lie(sheet, sensor, template)
+    if lie is None:
+        return Unmeasured(
+            f"no wheel: no way to turn {len(sheet)} stripe points lays them over the reference"
+        )
+    section = Section.of(sheet, lie.map(sensor))
+    shift = place_of_flange(section, template)
+    if isinstance(shift, Unmeasured):
+        return shift
+    lie, shift = _refined(sheet, sensor, lie, shift, template)
+    section = Section.of(sheet, lie.map(sensor))
+    kept = keep(section, sheet, shift, template)
+    if isinstance(kept, Unmeasured):
+        return kept
+    wheel = sheet.select(kept.index)
+    section = Section.of(wheel, lie.map(sensor))
+    y, z = (section.points_mm - shift).T
+    turn = np.stack([z, -y], axis=1) * _SIGMA_ROTATION_RAD
+    squeeze = np.stack([np.zeros_like(z), z], axis=1) * _SIGMA_HEIGHT_SCALE
+    return Laid(
+        sheet=wheel,
+        section=section,
+        shift_mm=shift,
+        along_mm=kept.along_mm,
+        noise_factor=kept.noise_factor,
+        left_out=counted(kept.causes),
+        once_mm=squeeze[:, :, None],
+        shared_mm=turn[:, :, None],
+        axle_offset_mm=None,
+        sheet_yaw_rad=None,
+    )
+
+
+def _best_lie(sheet: SheetPoints, sensor: LaserSensor, template: Template) -> _Lie | None:
+    """Try directions; the best lays most of the stripe on the reference, flange on flange."""
+    few = sheet.select(np.arange(0, len(sheet), max(1, len(sheet) // _SEARCH_POINTS)))
+    lies = [_Lie(float(angle), mirrored) for angle in _ANGLES_RAD for mirrored in (False, True)]
+    shares = [_fit_share(Section.of(few, lie.map(sensor)), template) for lie in lies]
+    best = int(np.argmax(shares))
+    return lies[best] if shares[best] >= _MIN_FIT_SHARE else None
+
+
+def _fit_share(section: Section, template: Template) -> float:
+    """Return which share of the points can be the wheel when the flange is laid on flange."""
+    flanges = find_flanges(
+        Voters(section.points_mm, section.tangent, section.to_camera), template
+    )
+    if not flanges:
+        return 0.0
+    _, outside, nearest = template.place(section.points_mm - flanges[0].shift_mm)
+    along = np.abs(np.sum(section.tangent * template.tangent[nearest], axis=1)) > np.cos(0.4)
+    facing = np.sum(section.to_camera * template.outward[nearest], axis=1) > 0.0
+    inside = (outside > _BAND_MM[0]) & (outside < _BAND_MM[1])
+    return float((along & facing & inside).mean()) * flanges[0].share
+
+
+def _refined(
+    sheet: SheetPoints, sensor: LaserSensor, lie: _Lie, shift_mm: FloatArray, template: Template
+) -> tuple[_Lie, FloatArray]:
+    """Improve direction and shift on flange back and tip, which do not wear."""
+    for _ in range(_ROUNDS):
+        section = Section.of(sheet, lie.map(sensor))
+        placed = section.points_mm - shift_mm
+        along, outside, nearest = template.place(placed)
+        unworn = along < template.along_mm[template.tip] + _PAST_TIP_MM
+        facing = np.sum(section.to_camera * template.outward[nearest], axis=1) > 0.0
+        use = unworn & facing & (np.abs(outside) < _NEAR_MM)
+        if use.sum() < 3:
+            break
+        normal, error, spot = template.outward[nearest[use]], outside[use], placed[use]
+        scale = max(_HUBER_MM, 1.5 * float(np.median(np.abs(error))))
+        weight = np.minimum(1.0, scale / np.maximum(np.abs(error), 1e-12))
+        # Turning by a small angle moves (y, z) by (-z, y), about the flange tip.
+        arm = spot - template.points_mm[template.tip]
+        turning = normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]
+        design = np.column_stack([-normal, turning]) * np.sqrt(weight)[:, None]
+        step, *_ = np.linalg.lstsq(design, -error * np.sqrt(weight), rcond=None)
+        lie, shift_mm = _turned(lie, shift_mm, step, template)
+    return lie, shift_mm

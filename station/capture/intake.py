@@ -1,0 +1,182 @@
+"""Frames on their way from the camera through the ring to the recorder, each accounted for."""
+
+import time
+from collections.abc import Iterable
+
+from station.capture.accounting import FrameAccount
+from station.capture.clock import CameraClock
+from station.capture.link import Entry, FrameEntry, Outcome, RecorderDied, RecorderLink
+from station.capture.stream import FrameStream, ReceivedFrame
+from station.errors import DiskFull, RecordingError, StationError
+from station.recording import Event, EventKind
+
+_POP_TIMEOUT_US = 10_000
+_UNDERRUN_INTERVAL_S = 1.0
+
+
+class Intake:
+    """Takes frames off a stream, hands them to the recorder, and lends their slots again.
+
+    Parameters
+    ----------
+    link
+        The recorder, with the recording open.
+    slots
+        The ring's slots, all free.
+    limit
+        Frames beyond so many are surplus: not recorded, not accounted.
+    """
+
+    def __init__(self, link: RecorderLink, slots: Iterable[int], limit: int | None) -> None:
+        self.account = FrameAccount(time.time_ns, self.note)
+        self.events: list[Event] = []
+        self.resent_packets = 0
+        self.first_time_ns: int | None = None
+        self.last_time_ns: int | None = None
+        self.last_recorded_id: int | None = None
+        self.heard_s = time.monotonic()
+        """When the last frame came."""
+        self.failure: StationError | None = None
+        """Why nothing more is written."""
+        self._link = link
+        self._limit = limit
+        self._free = set(slots)
+        self._stream: FrameStream | None = None
+        self._clock = CameraClock(0)
+        self._underruns = 0
+        self._underruns_asked_s = 0.0
+
+    @property
+    def free_slots(self) -> frozenset[int]:
+        """Slots that hold nothing and are not lent to the driver."""
+        return frozenset(self._free)
+
+    @property
+    def in_flight(self) -> bool:
+        """Whether a frame is being received."""
+        return self._stream is not None and self._stream.in_flight
+
+    @property
+    def unwritten(self) -> int:
+        """Entries that the recorder has not yet answered."""
+        return self._link.pending
+
+    def attach(self, stream: FrameStream, clock: CameraClock) -> None:
+        """Take frames from a stream that all free slots were lent to."""
+        self._stream, self._clock = stream, clock
+        self._underruns = 0
+        self._free.clear()
+        self.heard_s = time.monotonic()
+
+    def detach(self) -> None:
+        """Take the last frames, then close the stream."""
+        if self._stream is None:
+            return
+        self.resent_packets += self._stream.resent_packets
+        self._note_underruns()
+        stream, self._stream = self._stream, None
+        lent = stream.lent
+        last = stream.close()
+        self._free |= lent - {frame.slot for frame in last}
+        for frame in last:
+            self._take(frame)
+
+    def step(self) -> None:
+        """Take what has come, waiting a hundredth of a second at most; see what was written."""
+        if self._stream is not None:
+            for frame in self._stream.take(_POP_TIMEOUT_US):
+                self._take(frame)
+            if time.monotonic() - self._underruns_asked_s > _UNDERRUN_INTERVAL_S:
+                self._note_underruns()
+        self.settle()
+
+    def settle(self, timeout_s: float = 0.0) -> None:
+        """Take note of what the recorder has answered."""
+        try:
+            for outcome in self._link.outcomes(timeout_s):
+                self._settle(outcome)
+        except RecorderDied:
+            self.revive()
+
+    def note(self, event: Event) -> None:
+        """Put an event into the report and the file."""
+        self.events.append(event)
+        self._put(event)
+
+    def _take(self, frame: ReceivedFrame) -> None:
+        self.heard_s = time.monotonic()
+        surplus = self._limit is not None and self.account.accounted >= self._limit
+        if surplus or not self.account.arrive(frame.frame_id, frame.flaw):
+            self._give_back(frame.slot)
+            return
+        utc_ns = self._clock.utc_ns(frame.camera_ns, frame.received_ns)
+        self._put(
+            FrameEntry(
+                slot=frame.slot,
+                frame_id=frame.frame_id,
+                camera_time_ns=utc_ns,
+                host_time_ns=frame.received_ns,
+                width=frame.width,
+                height=frame.height,
+            )
+        )
+
+    def _put(self, entry: Entry) -> None:
+        if self.failure is not None:
+            self._settle(Outcome(entry, self.failure))
+            return
+        try:
+            self._link.put(entry)
+        except RecorderDied:
+            self.revive()
+
+    def _settle(self, outcome: Outcome) -> None:
+        if outcome.failure is not None and self.failure is None:
+            self.fail(outcome.failure)
+        if not isinstance(outcome.entry, FrameEntry):
+            return
+        self._give_back(outcome.entry.slot)
+        if outcome.failure is not None:
+            self.account.drop(outcome.entry.frame_id)
+            return
+        self.account.confirm()
+        self.last_recorded_id = outcome.entry.frame_id
+        self.last_time_ns = outcome.entry.camera_time_ns
+        self.first_time_ns = self.first_time_ns or self.last_time_ns
+
+    def _give_back(self, slot: int) -> None:
+        if self._stream is None:
+            self._free.add(slot)
+        else:
+            self._stream.lend(slot)
+
+    def revive(self) -> None:
+        """Let another recorder go on with the file; what it must still write lies in the ring."""
+        try:
+            outcomes = self._link.restart()
+        except (RecorderDied, StationError) as error:
+            again = RecordingError("the recorder died twice in a row; look at the system's log")
+            self.fail(error if isinstance(error, StationError) else again)
+            for entry in self._link.abandon():
+                self._settle(Outcome(entry, self.failure))
+            return
+        for outcome in outcomes:
+            self._settle(outcome)
+        detail = "the recorder died; another goes on with its file"
+        self.note(Event(EventKind.RECORDER_RESTARTED, time.time_ns(), detail))
+
+    def fail(self, failure: StationError) -> None:
+        """Nothing more can be written: say so once, in the report; the file cannot hold it."""
+        self.failure = failure
+        kind = EventKind.DISK_FULL if isinstance(failure, DiskFull) else EventKind.RECORDER_FAILED
+        self.events.append(Event(kind, time.time_ns(), str(failure)))
+
+    def _note_underruns(self) -> None:
+        if self._stream is None:
+            return
+        self._underruns_asked_s = time.monotonic()
+        new = self._stream.underruns - self._underruns
+        if new > 0:
+            self._underruns += new
+            detail = "frames met no free slot between camera and disk"
+            self.note(Event(EventKind.RING_FULL, time.time_ns(), detail, count=new))

@@ -1,0 +1,75 @@
+"""What the capture process is doing."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+
+class CaptureState(StrEnum):
+    """States of a capture process."""
+
+    UNAVAILABLE = "unavailable"
+    """The camera is not open; it is tried again and again."""
+    IDLE = "idle"
+    """The camera is open and nothing is recorded."""
+    RECORDING = "recording"
+    """The camera acquires, what comes is recorded."""
+    BLIND = "blind"
+    """A recording is open and the camera lost; it is tried again and again."""
+    RECORDED = "recorded"
+    """What was planned is in the file; the report waits to be fetched."""
+
+
+ALLOWED: Mapping[CaptureState, frozenset[CaptureState]] = {
+    CaptureState.UNAVAILABLE: frozenset({CaptureState.IDLE}),
+    CaptureState.IDLE: frozenset({CaptureState.UNAVAILABLE, CaptureState.RECORDING}),
+    CaptureState.RECORDING: frozenset(
+        {CaptureState.BLIND, CaptureState.RECORDED, CaptureState.IDLE}
+    ),
+    CaptureState.BLIND: frozenset(
+        {CaptureState.RECORDING, CaptureState.RECORDED, CaptureState.UNAVAILABLE}
+    ),
+    CaptureState.RECORDED: frozenset({CaptureState.IDLE, CaptureState.UNAVAILABLE}),
+}
+"""Which state may follow which."""
+
+
+@dataclass(frozen=True, slots=True)
+class CaptureStatus:
+    """A capture process at one moment."""
+
+    state: CaptureState
+    sensor: str
+    problem: str | None = None
+    """Why the camera is not open."""
+    camera: Mapping[str, str] = field(default_factory=dict)
+    """What the camera is and how it is set."""
+    session_id: str | None = None
+    path: Path | None = None
+    recorded: int = 0
+    lost: int = 0
+    refused: int = 0
+    repeated: int = 0
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the status as it leaves the capture process."""
+        return {
+            "state": str(self.state),
+            "sensor": self.sensor,
+            "problem": self.problem,
+            "camera": dict(self.camera),
+            "session_id": self.session_id,
+            "path": None if self.path is None else str(self.path),
+            "recorded": self.recorded,
+            "lost": self.lost,
+            "refused": self.refused,
+            "repeated": self.repeated,
+        }
+
+    @classmethod
+    def from_json(cls, fields: Mapping[str, Any]) -> "CaptureStatus":
+        """Make a status of what `to_json` returned."""
+        path = None if fields["path"] is None else Path(fields["path"])
+        return cls(**{**fields, "state": CaptureState(fields["state"]), "path": path})

@@ -1,0 +1,37 @@
+"""Putting the parts of the API process together from the settings."""
+
+from functools import partial
+from pathlib import Path
+
+from fastapi import FastAPI
+
+from station.api import build_app
+from station.capture import CaptureClient
+from station.operations import DataLayout, Passes, Sessions, Station, salvage_recording
+from station.serve.processes import socket_path
+from station.settings import StationSettings
+from station.store import Store
+from station.worker import WorkerQueue, is_held
+
+
+def assemble_api(settings: StationSettings, run_dir: Path, *, admin_key: str | None) -> FastAPI:
+    """Return the API on the station's own store, captures and worker.
+
+    Passes and sessions that were open when the last API process ended are taken up first.
+    """
+    layout = DataLayout(settings.data_dir)
+    station = Station(
+        settings=settings,
+        store=Store.open(layout.store_url),
+        layout=layout,
+        captures={
+            sensor.id: CaptureClient(socket_path(run_dir, sensor.id)) for sensor in settings.sensors
+        },
+        jobs=WorkerQueue(layout.jobs_url),
+        salvage=salvage_recording,
+    )
+    Passes(station).take_up()
+    Sessions(station).take_up()
+    return build_app(
+        station, admin_key=admin_key, worker_ready=partial(is_held, layout.worker_lock)
+    )

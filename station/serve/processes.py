@@ -1,0 +1,64 @@
+"""What the station's processes do when they start; each runs as a process of its own."""
+
+import os
+import socket
+from multiprocessing import get_context
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+
+from station.serve.lifeline import end_with_parent
+from station.serve.logs import log_as
+from station.settings import StationSettings
+
+_GRACE_S = 3
+_SPAWN = get_context("spawn")  # never fork: Aravis and SQLite do not survive it
+
+
+def socket_path(run_dir: Path, sensor: str) -> Path:
+    """Return where a sensor's capture process listens for commands."""
+    return run_dir / f"{sensor}.sock"
+
+
+def start_api(settings: StationSettings, run_dir: Path, listening: socket.socket) -> BaseProcess:
+    """Start the API process on a socket that listens already."""
+    process = _SPAWN.Process(
+        target=_run_api, args=(settings, run_dir, listening, os.getpid()), name="api"
+    )
+    process.start()
+    return process
+
+
+def start_worker(settings: StationSettings) -> BaseProcess:
+    """Start the worker process."""
+    process = _SPAWN.Process(target=_run_worker, args=(settings, os.getpid()), name="worker")
+    process.start()
+    return process
+
+
+def _run_worker(settings: StationSettings, supervisor_pid: int) -> None:
+    from station.worker.process import run_worker  # noqa: PLC0415  only this process pays for it
+
+    end_with_parent(supervisor_pid)
+    log_as("worker")
+    run_worker(settings)
+
+
+def _run_api(
+    settings: StationSettings, run_dir: Path, listening: socket.socket, supervisor_pid: int
+) -> None:
+    import uvicorn  # noqa: PLC0415  only this process pays for it
+
+    from station.serve.assembly import assemble_api  # noqa: PLC0415  as above
+
+    end_with_parent(supervisor_pid)
+    log_as("api")
+    app = assemble_api(settings, run_dir, admin_key=os.environ.get("STATION_ADMIN_KEY"))
+    config = uvicorn.Config(
+        app,
+        access_log=False,
+        log_config=None,
+        server_header=False,
+        # An event stream lasts as long as its job; the stop does not wait for it.
+        timeout_graceful_shutdown=_GRACE_S,
+    )
+    uvicorn.Server(config).run(sockets=[listening])

@@ -1,0 +1,56 @@
+"""Saying when the station is ready, and what it still waits for when that takes long."""
+
+import http.client
+import json
+import threading
+import time
+from collections.abc import Callable
+from urllib.parse import urlsplit
+
+import structlog
+
+from station.serve.signals import StopSignal
+
+_LOOK_EVERY_S = 0.1
+_LOOK_LASTS_S = 2.0
+_COMPLAIN_EVERY_S = 10.0
+_log = structlog.get_logger()
+
+Announce = Callable[[str, float], None]
+"""Called with the URL and the seconds it took."""
+
+
+def begin_announcing(url: str, announce: Announce, stop: StopSignal) -> None:
+    """Watch, beside the supervisor, until every part is ready; then announce it."""
+    watcher = threading.Thread(
+        target=_watch, args=(url, announce, stop), name="readiness", daemon=True
+    )
+    watcher.start()
+
+
+def _watch(url: str, announce: Announce, stop: StopSignal) -> None:
+    began_s = time.monotonic()
+    complain_s = began_s + _COMPLAIN_EVERY_S
+    while not stop.received:
+        missing = missing_parts(url)
+        if not missing:
+            announce(url, time.monotonic() - began_s)
+            return
+        if time.monotonic() >= complain_s:
+            complain_s += _COMPLAIN_EVERY_S
+            _log.warning("not ready yet", missing=missing)
+        time.sleep(_LOOK_EVERY_S)
+
+
+def missing_parts(url: str) -> dict[str, str]:
+    """Return the parts that are not ready, and why; empty when all are."""
+    # Not urllib: it would ask a proxy that the environment names for an address of this host.
+    connection = http.client.HTTPConnection(urlsplit(url).netloc, timeout=_LOOK_LASTS_S)
+    try:
+        connection.request("GET", "/readyz")
+        parts: dict[str, str] = json.load(connection.getresponse())["parts"]
+    except (OSError, http.client.HTTPException, ValueError, KeyError):
+        return {"api": "does not answer yet"}
+    finally:
+        connection.close()
+    return {part: state for part, state in parts.items() if state != "ready"}

@@ -1,0 +1,26 @@
+"""Being told to stop, also while waiting for something else."""
+
+import os
+import signal
+from types import FrameType
+
+_STOP_SIGNALS = (signal.SIGTERM, signal.SIGINT)
+
+
+class StopSignal:
+    """SIGTERM and SIGINT as something that can be waited for together with other things."""
+
+    def __init__(self) -> None:
+        self.received = False
+        self.readable, self._writable = os.pipe()
+        os.set_blocking(self._writable, False)
+        for number in _STOP_SIGNALS:
+            signal.signal(number, self._note)
+
+    def fileno(self) -> int:
+        """Return the descriptor that becomes readable with the signal."""
+        return self.readable
+
+    def _note(self, _number: int, _frame: FrameType | None) -> None:
+        self.received = True
+        os.write(self._writable, b"s")

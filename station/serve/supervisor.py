@@ -1,0 +1,111 @@
+"""`station serve`: all processes of the station under one roof, until it is told to stop."""
+
+import select
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+import structlog
+
+from station.operations import DataLayout, utc_now
+from station.serve.capturing import start_sensor
+from station.serve.children import Child, Handle
+from station.serve.listening import listen, url_of
+from station.serve.processes import start_api, start_worker
+from station.serve.readiness import Announce, begin_announcing
+from station.serve.signals import StopSignal
+from station.settings import StationSettings
+from station.store import Scope, Store, add_key, any_key, migrate
+from station.worker import held
+
+_API_PATIENCE_S = 8.0
+_CAPTURE_PATIENCE_S = 20.0
+_WORKER_PATIENCE_S = 15.0
+_log = structlog.get_logger()
+
+Say = Callable[[str], None]
+
+
+def supervise(
+    settings: StationSettings, *, admin_key_given: bool, say: Say, announce: Announce
+) -> None:
+    """Run the station until SIGTERM or SIGINT.
+
+    Parameters
+    ----------
+    admin_key_given
+        The environment holds a key; otherwise the first start makes one and says it once.
+    say
+        Where a line for people goes.
+    announce
+        Called with URL and seconds since the start, once every part is ready.
+
+    Raises
+    ------
+    InputUnusable
+        If the port is in use, or the data folder cannot be used.
+    StateConflict
+        If a station runs already on this data folder.
+    """
+    layout = DataLayout(settings.data_dir)
+    layout.ensure()
+    with held(layout.station_lock, "a station"), listen(settings.host, settings.port) as listening:
+        migrate(layout.store_url)
+        if not admin_key_given:
+            _ensure_admin_key(layout, say)
+        # In the temporary folder: the path of a Unix socket may have 107 bytes only.
+        run_dir = Path(tempfile.mkdtemp(prefix="treadline-"))
+        try:
+            stop = StopSignal()
+            begin_announcing(url_of(listening), announce, stop)
+            start_the_api = partial(start_api, settings, run_dir, listening)
+            _run(_children(settings, run_dir, start_the_api), stop)
+        finally:
+            shutil.rmtree(run_dir, ignore_errors=True)
+
+
+def _ensure_admin_key(layout: DataLayout, say: Say) -> None:
+    store = Store.open(layout.store_url)
+    with store.change() as session:
+        if not any_key(session):
+            key = add_key(session, "first admin", [Scope.ADMIN], at=utc_now())
+            say(f"admin key, shown this once: {key}")
+    store.close()
+
+
+def _children(
+    settings: StationSettings, run_dir: Path, start_the_api: Callable[[], Handle]
+) -> list[Child]:
+    """Return the processes in the order in which they end: who gives orders first."""
+    captures = [
+        Child(f"capture {sensor.id}", partial(start_sensor, sensor, run_dir), _CAPTURE_PATIENCE_S)
+        for sensor in settings.sensors
+    ]
+    worker = Child("worker", partial(start_worker, settings), _WORKER_PATIENCE_S)
+    return [Child("api", start_the_api, _API_PATIENCE_S), *captures, worker]
+
+
+def _run(children: Sequence[Child], stop: StopSignal) -> None:
+    """Keep the processes running until the signal; then end them in their order."""
+    try:
+        for child in reversed(children):
+            if not stop.received:
+                child.start()
+        while not stop.received:
+            _wait(children, stop)
+            for child in children:
+                child.mend()
+    finally:
+        for child in children:
+            child.ask_to_end()
+            child.ensure_ended()
+        _log.info("stopped")
+
+
+def _wait(children: Sequence[Child], stop: StopSignal) -> None:
+    """Sleep until a process ends, one is due to start again, or the signal comes."""
+    due_s = [due for child in children if (due := child.due_s()) is not None]
+    ends = [child.pidfd for child in children if child.pidfd is not None]
+    select.select([*ends, stop], [], [], min(due_s, default=None))
