@@ -9,16 +9,12 @@ from calib import disc
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.ellipse import Ellipses
 from calib.noise import PixelNoise
-from calib.patch_fit import Patches, PatchFit, fit_patches
+from calib.patch_fit import Patches, PatchFit, fit_patches, spread_over_scales
 from calib.stripe_lines import StripeLine
-
-SCALES_PX = (1.0, 2.0)
-"""Gaussian kernels of the multi-scale spread, besides the picture as it is."""
 
 _EDGE_REACH_PX = 5.0
 _START_BLUR_PX = 1.5
-_BAND_LEVEL = 0.04  # of a dot's height: where a stripe's foot no longer disturbs it
-_WIDEST_BAND = 4.0  # in widths of the stripe
+_STRIPE_FOOT = 0.04  # of a dot's height: what of a stripe does not disturb its edge
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,10 +99,12 @@ def measure_dots(
     smooth = np.asarray(cv2.blur(picture, (3, 3)), dtype=np.uint8)
     patches = Patches.cut(picture, smooth, noise, origin, offset, ring)
     _set_brightness(first, patches, offset)
-    band = _under_stripes(lines, patches, np.abs(first[:, disc.HEIGHT]))
-    seen = _without(patches, band)
+    band = np.zeros(ring.shape, dtype=bool)
+    for line in lines:
+        band |= line.lights_up(patches.places_px(), _STRIPE_FOOT * np.abs(first[:, disc.HEIGHT]))
+    seen = patches.without(band)
     fit = fit_patches(seen, first, disc.evaluate, disc.sound)
-    spread = _spread_over_scales(picture, seen, fit)
+    spread = spread_over_scales(picture, seen, fit, disc.evaluate, disc.sound, disc.BLUR)
     by_noise = np.sqrt(np.einsum("nii->ni", fit.covariance))
     edge = ring & (np.abs(disc.inward_px(first, offset.astype(np.float64))) < 2.5)
     sign = -1.0 if dark else 1.0
@@ -144,47 +142,6 @@ def _set_brightness(first: FloatArray, patches: Patches, offset: IntArray) -> No
         masked = np.ma.masked_array(patches.samples, ~(used & side))
         first[:, column] = np.ma.median(masked, axis=1).filled(0.0)
     first[:, disc.HEIGHT] -= first[:, disc.GROUND]
-
-
-def _under_stripes(lines: list[StripeLine], patches: Patches, height: FloatArray) -> BoolArray:
-    """Return which pixels a stripe lights up by more than a little of the dot's height."""
-    place = (patches.origin[:, None, :] + patches.offset).astype(np.float64)
-    under = np.zeros(patches.samples.shape, dtype=bool)
-    for line in lines:
-        foot = np.maximum(_BAND_LEVEL * height, 1.0)
-        widths = np.sqrt(2.0 * np.log(np.maximum(line.peak / foot, 1.5)))
-        half = 1.0 + line.width_px * np.minimum(widths, _WIDEST_BAND)
-        under |= np.abs(line.across_px(place)) < half[:, None]
-    return under
-
-
-def _without(patches: Patches, hidden: BoolArray) -> Patches:
-    return Patches(
-        patches.origin,
-        patches.offset,
-        patches.samples,
-        np.where(hidden, 0.0, patches.weight),
-        patches.clipped,
-    )
-
-
-def _spread_over_scales(picture: Picture, patches: Patches, fit: PatchFit) -> FloatArray:
-    """Return the standard deviation of the centre over kernels, shape (N, 2)."""
-    centres = [fit.parameters[:, :2]]
-    for scale in SCALES_PX:
-        smoothed = np.asarray(cv2.GaussianBlur(picture, (0, 0), scale), dtype=np.uint8)
-        samples = patches.of(smoothed)
-        start = fit.parameters.copy()
-        start[:, disc.BLUR] = np.hypot(start[:, disc.BLUR], scale)
-        again = fit_patches(
-            Patches(patches.origin, patches.offset, samples, patches.weight, patches.clipped),
-            start,
-            disc.evaluate,
-            disc.sound,
-            iterations=2,
-        )
-        centres.append(again.parameters[:, :2])
-    return np.asarray(np.std(centres, axis=0))
 
 
 def _trusted(fit: PatchFit, first: FloatArray, sign: float, sigma: FloatArray) -> BoolArray:

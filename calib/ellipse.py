@@ -36,6 +36,13 @@ class Ellipses:
         """Return those an index array or a mask picks."""
         return Ellipses(self.centre_px[index], self.form[index])
 
+    def joined(self, other: "Ellipses") -> "Ellipses":
+        """Return these and then those."""
+        return Ellipses(
+            np.concatenate([self.centre_px, other.centre_px]),
+            np.concatenate([self.form, other.form]),
+        )
+
     def level(self, offset_px: FloatArray) -> FloatArray:
         """Return how far out points are: 1 on the outline, 0 in the centre.
 

@@ -13,6 +13,8 @@ Node = tuple[int, int]
 _NEAR_PREDICTION = 0.22  # of the step to a neighbour
 _NEAR_HOMOGRAPHY = 0.18
 _MOST_SEEDS = 60
+_OFF_GRID_PX = 2.0
+_OFF_GRID_PITCHES = 0.05
 _SIZE_RATIO = 1.7
 _STEPS: tuple[Node, ...] = ((0, 1), (1, 0), (0, -1), (-1, 0))
 
@@ -41,6 +43,28 @@ class Lattice:
     def predict(self, node: IntArray | FloatArray) -> FloatArray:
         """Return where nodes, shape (N, 2), are seen, px."""
         return apply_homography(self.picture_from_node, np.asarray(node, dtype=np.float64))
+
+    def extent(self, rows: int, cols: int) -> tuple[IntArray, IntArray]:
+        """Return the first and last nodes, shape (2,) each, where points of a target may be.
+
+        Where fewer lines are seen than the target has, as many as are missing are added on
+        either side.
+        """
+        low, high = self.node.min(axis=0), self.node.max(axis=0)
+        seen = high - low + 1
+        upright = np.maximum([rows, cols] - seen, 0)
+        turned = np.maximum([cols, rows] - seen, 0)
+        missing = upright if upright.sum() <= turned.sum() else turned
+        return low - missing, high + missing
+
+    def empty_nodes(self, rows: int, cols: int) -> IntArray:
+        """Return the nodes within the extent at which no point is known, shape (M, 2)."""
+        low, high = self.extent(rows, cols)
+        u, v = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
+        taken = set(map(tuple, self.node.tolist()))
+        empty = [n for n in zip(u.ravel().tolist(), v.ravel().tolist(), strict=True)
+                 if n not in taken]
+        return np.array(empty, dtype=np.int64).reshape(-1, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -324,3 +348,19 @@ def _oriented(
 def inside_target(place: IntArray, rows: int, cols: int) -> BoolArray:
     """Return which (row, col), shape (N, 2), the target has."""
     return np.asarray(((place >= 0) & (place < [rows, cols])).all(axis=1))
+
+
+def agreeing(place: IntArray, centre_px: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Fit the map from (row, col) to the picture; return it and which points agree with it.
+
+    Distortion bends a target by up to a pixel or two; more is a point that is no point.
+    """
+    steps = np.linalg.norm(centre_px[:, None] - centre_px[None], axis=2)
+    np.fill_diagonal(steps, np.inf)
+    limit = max(_OFF_GRID_PX, _OFF_GRID_PITCHES * float(np.median(steps.min(axis=1))))
+    homography, agree = cv2.findHomography(
+        place.astype(np.float64), centre_px, cv2.RANSAC, limit
+    )
+    if homography is None:
+        raise AssertionError("points that were numbered by a homography have one")
+    return homography, np.flatnonzero(agree)

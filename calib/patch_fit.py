@@ -1,8 +1,9 @@
 """Least squares on many small windows at once: the centre of a mark, and how well it is known."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
@@ -12,6 +13,9 @@ Evaluate = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
 """(parameters (N, P), places (K, 2)) -> brightness (N, K), derivatives (N, P, K)"""
 Sound = Callable[[FloatArray, FloatArray], FloatArray]
 """(parameters after a step, before) -> parameters that make sense"""
+
+SCALES_PX = (1.0, 2.0)
+"""Gaussian kernels of the multi-scale spread, besides the picture as it is."""
 
 _TOLERANCE_PX = 2e-4
 _DAMPING = 1e-3
@@ -65,6 +69,14 @@ class Patches:
         samples = picture[v, u].astype(np.float64)
         weight = (use & inside) / noise.variance(smooth[v, u].astype(np.float64))
         return cls(origin, offset, samples, weight, samples >= SATURATED_FROM)
+
+    def without(self, hidden: BoolArray) -> "Patches":
+        """Return the same with the pixels of a mask, shape (N, K), not used."""
+        return replace(self, weight=np.where(hidden, 0.0, self.weight))
+
+    def places_px(self) -> FloatArray:
+        """Return where the pixels are in the picture, shape (N, K, 2)."""
+        return (self.origin[:, None, :] + self.offset).astype(np.float64)
 
     def of(self, other: Picture) -> FloatArray:
         """Return the same pixels of another picture, shape (N, K)."""
@@ -147,6 +159,30 @@ def fit_patches(
     covariance = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)[:, :2, :2]
     covariance = covariance * np.maximum(scatter, 1.0)[:, None, None] ** 2
     return PatchFit(parameters, covariance, scatter, converged)
+
+
+def spread_over_scales(
+    picture: Picture,
+    patches: Patches,
+    fit: PatchFit,
+    evaluate: Evaluate,
+    sound: Sound,
+    blur: int,
+) -> FloatArray:
+    """Return the standard deviation of the centre over Gaussian kernels, shape (N, 2), px.
+
+    `blur` is the place of the parameter that a kernel widens.
+    """
+    centres = [fit.parameters[:, :2]]
+    for scale in SCALES_PX:
+        smoothed = np.asarray(cv2.GaussianBlur(picture, (0, 0), scale), dtype=np.uint8)
+        start = fit.parameters.copy()
+        start[:, blur] = np.hypot(start[:, blur], scale)
+        again = fit_patches(
+            replace(patches, samples=patches.of(smoothed)), start, evaluate, sound, iterations=2
+        )
+        centres.append(again.parameters[:, :2])
+    return np.asarray(np.std(centres, axis=0))
 
 
 def _rows(patches: Patches, index: IntArray) -> Patches:

@@ -117,6 +117,15 @@ def _ground_slope(fits: Profiles, seeds: StripeSeeds, trusted: IntArray) -> Floa
     )
 
 
+def kernel_of(width_px: FloatArray) -> FloatArray:
+    """Return the kernel that a stripe of each width, not clipped, is located with."""
+    return np.array(KERNELS_PX)[_nearest_kernel(width_px)]
+
+
+def _nearest_kernel(wanted_px: FloatArray) -> IntArray:
+    return np.abs(np.log(wanted_px[:, None] / np.array(KERNELS_PX))).argmin(axis=1)
+
+
 def _kernel_wanted(profiles: Profiles) -> FloatArray:
     """Return the width of kernel that suits each profile.
 
@@ -146,8 +155,7 @@ def _settled(
     profiles: Profiles,
 ) -> StripePoints:
     """Go from near the ridge to its top, each point with the kernel of its width."""
-    ratio = _kernel_wanted(profiles)[:, None] / np.array(KERNELS_PX)
-    choice = np.abs(np.log(ratio)).argmin(axis=1)
+    choice = _nearest_kernel(_kernel_wanted(profiles))
     centre, across = np.empty_like(start), np.empty_like(start)
     sigma = np.full(len(start), np.inf)
     for k in np.unique(choice):

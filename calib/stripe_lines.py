@@ -15,6 +15,7 @@ _ALIKE = 0.94  # cosine between a point's normal and its line's
 _FEWEST_POINTS = 12
 _BIN_PX = 16.0
 _MOST_LINES = 4
+_WIDEST_FOOT = 4.0  # in widths of the stripe
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +54,12 @@ class StripeLine:
         """Return signed distances of points, shape (..., 2), from the line."""
         along, aside = _split(points_px - self.origin_px, self.direction)
         return aside - _bent(self.bend, along)
+
+    def lights_up(self, points_px: FloatArray, level: FloatArray) -> BoolArray:
+        """Return which points, shape (N, K, 2), it lights up by more than N levels, counts."""
+        widths = np.sqrt(2.0 * np.log(np.maximum(self.peak / np.maximum(level, 1.0), 1.5)))
+        half = 1.0 + self.width_px * np.minimum(widths, _WIDEST_FOOT)
+        return np.asarray(np.abs(self.across_px(points_px)) < half[:, None])
 
     @property
     def length_px(self) -> float:

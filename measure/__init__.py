@@ -1,6 +1,7 @@
 """From a stripe on a wheel to gauge readings with their uncertainty.  Pure mathematics, mm."""
 
 from measure.errors import MeasureError, ProfileTextInvalid, ReferenceInvalid, ReferenceUnknown
+from measure.grouping import group_into_wheels
 from measure.limits import Limit, Limits
 from measure.mounting import Mounting
 from measure.profile import Profile
@@ -36,6 +37,7 @@ __all__ = [
     "WheelReadings",
     "format_miniprof",
     "gauge_profile",
+    "group_into_wheels",
     "measure_wheel",
     "parse_miniprof",
     "parse_profile_csv",

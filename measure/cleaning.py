@@ -1,22 +1,19 @@
 """Which points of a stripe are the wheel: the others are left out, each for a cause."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import savgol_filter
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
-from calib import BoolArray, Cause, FloatArray, IntArray
+from calib import BoolArray, Cause, FloatArray, IntArray, StripePoints
+from measure.pieces import MIN_PIECE, pieces, sizes
 from measure.template import Template
 
 # A wheel wears inward, hardly ever outward: metal that rolls over makes a lip of a millimetre.
 _OUTSIDE_MM = (-14.0, 2.5)
-_LINK_PX = 4.0
-_LINK_MM = 4.0
-_MIN_PIECE = 12
+_BEYOND_END_MM = 1.0
 _LAYER_BIN_MM = 1.0
 _LAYER_GAP_MM = 0.8
 _SMOOTHING_POINTS = 21
@@ -37,20 +34,20 @@ class Kept:
         Shape (K,), rising: place along the reference.
     noise_factor
         How much more a mean of points scatters than their sigmas, taken as independent, say.
-    causes
-        N entries: why a point was left out; ``Cause.NONE`` for the kept.
+    left_out
+        How many points were left out for which cause.
     """
 
     index: IntArray
     along_mm: FloatArray
     noise_factor: float
-    causes: tuple[Cause, ...]
+    left_out: Mapping[Cause, int]
 
 
 def keep_wheel(
-    points_mm: FloatArray, sigma_mm: FloatArray, centre_px: FloatArray, template: Template
+    points_mm: FloatArray, sigma_mm: FloatArray, stripe: StripePoints, template: Template
 ) -> Kept:
-    """Keep the points that make one connected profile near the reference.
+    """Keep the points that make one profile near the reference.
 
     Parameters
     ----------
@@ -58,8 +55,8 @@ def keep_wheel(
         Shape (N, 2), (y, z): already laid over the reference by the flange.
     sigma_mm
         Shape (N,), across the profile.
-    centre_px
-        Shape (N, 2), in the picture: neighbours there are neighbours on the stripe.
+    stripe
+        The same points in the picture.
     template
         The reference.
 
@@ -69,47 +66,37 @@ def keep_wheel(
         Perhaps of no points.
     """
     along, outside, nearest = template.place(points_mm)
-    causes = [Cause.NONE] * len(points_mm)
+    in_band = np.flatnonzero(_can_be_wheel(along, outside, nearest, template))
+    piece = pieces(stripe.centre_px[in_band], stripe.normal[in_band])
+    large = sizes(piece) >= MIN_PIECE
+    hanging, piece = in_band[large], piece[large]
+    first = hanging[_first_layer(along[hanging], outside[hanging], piece)]
+    ordered = first[np.argsort(along[first], kind="stable")]
 
-    def leave_out(index: IntArray, cause: Cause) -> None:
-        for point in index:
-            causes[point] = cause
-
-    beyond = along > template.along_mm[-1] + 1.0
-    in_band = (outside > _OUTSIDE_MM[0]) & (outside < _OUTSIDE_MM[1]) & ~beyond
-    # The back face does not wear: what lies off it is something else.
-    on_back = nearest < template.back_count
-    in_band &= ~(on_back & (np.abs(outside) > _OUTSIDE_MM[1]))
-    leave_out(np.flatnonzero(~in_band), Cause.STRAY_LIGHT)
-    kept = np.flatnonzero(in_band)
-    piece = _pieces(points_mm[kept], centre_px[kept])
-    size = np.bincount(piece)[piece] if len(kept) else np.zeros(0, dtype=np.int64)
-    leave_out(kept[size < _MIN_PIECE], Cause.STRAY_LIGHT)
-    kept, piece = kept[size >= _MIN_PIECE], piece[size >= _MIN_PIECE]
-
-    first_layer = _first_layer(along[kept], outside[kept], piece)
-    leave_out(kept[~first_layer], Cause.GLARE)
-    kept = kept[first_layer]
-    kept = kept[np.argsort(along[kept], kind="stable")]
-
-    score = _misfit(along[kept], outside[kept], sigma_mm[kept])
+    score = _misfit(along[ordered], outside[ordered], sigma_mm[ordered])
     spread = max(1.0, _robust_sigma(score))
     inlier = np.abs(score) <= _REJECT_SIGMAS * spread
-    leave_out(kept[~inlier], Cause.OUTLIER)
-    kept, score = kept[inlier], score[inlier]
-    factor = spread * np.sqrt(_correlation_length(score))
-    return Kept(kept, _rising(along[kept]), float(factor), tuple(causes))
+    left_out = {
+        Cause.STRAY_LIGHT: len(points_mm) - len(hanging),
+        Cause.GLARE: len(hanging) - len(ordered),
+        Cause.OUTLIER: int(np.sum(~inlier)),
+    }
+    return Kept(
+        index=ordered[inlier],
+        along_mm=along[ordered[inlier]],
+        noise_factor=float(spread * np.sqrt(_correlation_length(score[inlier]))),
+        left_out={cause: count for cause, count in left_out.items() if count},
+    )
 
 
-def _pieces(points_mm: FloatArray, centre_px: FloatArray) -> IntArray:
-    """Return the number of the piece, of stripe that hang together in the picture and in the section."""
-    if not len(points_mm):
-        return np.zeros(0, dtype=np.int64)
-    pairs = cKDTree(centre_px).query_pairs(_LINK_PX, output_type="ndarray")
-    gap = np.linalg.norm(points_mm[pairs[:, 0]] - points_mm[pairs[:, 1]], axis=1)
-    i, j = pairs[gap <= _LINK_MM].T
-    links = coo_array((np.ones(len(i)), (i, j)), shape=(len(points_mm), len(points_mm)))
-    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
+def _can_be_wheel(
+    along_mm: FloatArray, outside_mm: FloatArray, nearest: IntArray, template: Template
+) -> BoolArray:
+    low, high = _OUTSIDE_MM
+    on_profile = along_mm < template.along_mm[-1] + _BEYOND_END_MM
+    # The back face does not wear: what lies behind it is something else.
+    floor = np.where(nearest < template.back_count, -high, low)
+    return np.asarray((outside_mm > floor) & (outside_mm < high) & on_profile)
 
 
 def _first_layer(along_mm: FloatArray, outside_mm: FloatArray, piece: IntArray) -> BoolArray:
@@ -164,7 +151,3 @@ def _correlation_length(score: FloatArray) -> float:
             break
         length += 2.0 * correlation
     return length
-
-
-def _rising(along_mm: FloatArray) -> FloatArray:
-    return np.asarray(np.maximum.accumulate(along_mm)) if len(along_mm) else along_mm

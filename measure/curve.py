@@ -1,5 +1,6 @@
 """A measured profile as a curve of points that can be read anywhere along it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +14,7 @@ _BIN_MM = 0.5
 # A parabola fitted to 3 mm of points is still sound this far beyond them.
 _EXTRAPOLATION_MM = 2.0
 _REFITS = 6
-# A place is read from a piece whose middle is within this share of the window.
-_NEAR_SHARE = 0.4
+_SETTLED_MM = 0.2
 # A wide window is used where it agrees with a narrow one to this many of the narrow one's sigmas.
 _AGREEMENT_SIGMAS = 3.0
 
@@ -99,16 +99,12 @@ class Curve:
         Found or None
             None where the points do not reach the place.
         """
-        for _ in range(_REFITS):
-            fit = self.fit(place_mm, scale)
-            s = fit.crossing(1 - axis, level.value) if fit is not None else None
-            if fit is None or s is None or fit.beyond_mm(s) > _EXTRAPOLATION_MM:
-                return None
-            if abs(s) < _NEAR_SHARE * self.window_mm:
-                break
-            place_mm = fit.point(s)
-        else:
+        settled = self._settle(
+            place_mm, scale, lambda fit: fit.crossing(1 - axis, level.value), _EXTRAPOLATION_MM
+        )
+        if settled is None:
             return None
+        fit, s = settled
         read = fit.read(axis, s)
         moved = Estimate(read.value, read.gradient + fit.slope(axis, s) * level.gradient)
         return Found(moved, Status.OK if fit.covers(s) else Status.EXTRAPOLATED)
@@ -116,21 +112,34 @@ class Curve:
     def crest(self, place_mm: FloatArray) -> Found | None:
         """Read the greatest r near a place; None where there is no crest between the points."""
         for scale in (1.0, 2.0):
-            found = self._crest(place_mm, scale)
-            if found is not None:
-                return found
+            settled = self._settle(place_mm, scale, LocalFit.crest, 0.0)
+            if settled is not None:
+                fit, s = settled
+                return Found(fit.read(1, s), Status.OK)
         return None
 
-    def _crest(self, place_mm: FloatArray, scale: float) -> Found | None:
+    def _settle(
+        self,
+        place_mm: FloatArray,
+        scale: float,
+        where: Callable[[LocalFit], float | None],
+        reach_mm: float,
+    ) -> tuple[LocalFit, float] | None:
+        """Fit again around what is looked for, until it stays; None where the points end before.
+
+        Beside a gap the middle of the fit never gets there: the last fit then serves.
+        """
+        settled = None
         for _ in range(_REFITS):
             fit = self.fit(place_mm, scale)
-            s = fit.crest() if fit is not None else None
-            if fit is None or s is None or not fit.covers(s):
+            s = where(fit) if fit is not None else None
+            if fit is None or s is None or fit.beyond_mm(s) > reach_mm:
                 return None
-            if abs(s) < _NEAR_SHARE * self.window_mm:
-                return Found(fit.read(1, s), Status.OK)
-            place_mm = fit.point(s)
-        return None
+            settled = fit, s
+            before, place_mm = place_mm, fit.point(s)
+            if np.linalg.norm(place_mm - before) < _SETTLED_MM:
+                break
+        return settled
 
 
 def _bin_means(

@@ -9,7 +9,7 @@ from calib import BoolArray, FloatArray, IntArray
 from measure.template import Template
 
 _CELL_MM = 2.0
-_VOTERS = 500
+_VOTERS = 350
 _EVERY = 3
 _SUPPORT_MM = 2.5
 _SIN_TANGENT = 0.42  # 25 degrees: a worn face is steeper by as much
@@ -35,7 +35,7 @@ class Voters:
 
     def thinned(self) -> "Voters":
         """Return an even choice of a few hundred."""
-        step = max(1, len(self.points_mm) // _VOTERS)
+        step = -(-len(self.points_mm) // _VOTERS)
         return Voters(self.points_mm[::step], self.tangent[::step], self.to_camera[::step])
 
 
@@ -98,7 +98,7 @@ def _support(shift_mm: FloatArray, few: Voters, template: Template) -> Sighting:
     """Count which flange points of the template have a fitting point near."""
     chosen = template.flange()[::_EVERY]
     gap = few.points_mm[:, None] - shift_mm - template.points_mm[chosen]
-    near = (np.abs(gap) < _SUPPORT_MM).all(axis=2) & _agrees(few, template, chosen)
-    supported = near.any(axis=0)
+    near = np.asarray((np.abs(gap) < _SUPPORT_MM).all(axis=2)) & _agrees(few, template, chosen)
+    supported = np.asarray(near.any(axis=0))
     of_tip = np.abs(template.along_mm[chosen] - template.along_mm[template.tip]) < 8.0
     return Sighting(shift_mm, float(supported.mean()), float(supported[of_tip].mean()))

@@ -1,16 +1,17 @@
 """One picture of one wheel: from its stripe to readings, or the reason why there are none."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib import FloatArray, LaserSensor, StripePoints
+from calib import Cause, FloatArray, LaserSensor, StripePoints
 from measure.curve import Curve, Found
 from measure.estimate import Estimate
 from measure.gauges import Gauged, gauge
 from measure.laying import Laid, Unmeasured, lay_by_axle
 from measure.mounting import Mounting
+from measure.pieces import MIN_PIECE, pieces, sizes
 from measure.quantities import Quantity, Status
 from measure.reference import BACK_Y_MM, ReferenceProfile
 from measure.registration import see_back_face
@@ -80,19 +81,25 @@ def measure_frame(
     assume_back: bool,
 ) -> FrameReadings | Unmeasured:
     """Read the gauges off the stripe of one picture."""
-    if len(stripe) < MIN_STRIPE_POINTS:
+    # Specks go first: in bad light there are more of them than points of the wheel.
+    hanging = stripe.select(sizes(pieces(stripe.centre_px, stripe.normal)) >= MIN_PIECE)
+    if len(hanging) < MIN_STRIPE_POINTS:
         return Unmeasured(
-            f"no stripe: {len(stripe)} points seen, {MIN_STRIPE_POINTS} needed; look at exposure "
-            "and laser"
+            f"no stripe: {len(hanging)} of {len(stripe)} points hang together, "
+            f"{MIN_STRIPE_POINTS} needed; look at exposure and laser"
         )
     template = template_of(reference)
-    sheet = SheetPoints.of(stripe, sensor)
+    sheet = SheetPoints.of(hanging, sensor)
     if mounting is not None:
         laid = lay_by_axle(sheet, sensor, mounting, template)
     else:
         laid = lay_by_shape(sheet, sensor, template)
     if isinstance(laid, Unmeasured):
         return laid
+    specks = len(stripe) - len(hanging)
+    if specks:
+        stray = laid.left_out.get(Cause.STRAY_LIGHT, 0) + specks
+        laid = replace(laid, left_out={**laid.left_out, Cause.STRAY_LIGHT: stray})
     return _read(laid, sensor, reference, template, assume_back=assume_back)
 
 

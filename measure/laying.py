@@ -1,6 +1,5 @@
 """A stripe laid over the reference by the survey of the installation: which points, and where."""
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -100,7 +99,7 @@ def lay_by_axle(
         shift_mm=shift,
         along_mm=kept.along_mm,
         noise_factor=kept.noise_factor,
-        left_out=counted(kept.causes),
+        left_out=kept.left_out,
         once_mm=once,
         shared_mm=np.concatenate([radius, tilts], axis=2),
         axle_offset_mm=offset,
@@ -128,20 +127,13 @@ def keep(
     section: Section, sheet: SheetPoints, shift_mm: FloatArray, template: Template
 ) -> Kept | Unmeasured:
     """Return the points that are the wheel."""
-    kept = keep_wheel(
-        section.points_mm - shift_mm, section.sigma_mm, sheet.stripe.centre_px, template
-    )
+    kept = keep_wheel(section.points_mm - shift_mm, section.sigma_mm, sheet.stripe, template)
     if len(kept.index) < MIN_WHEEL_POINTS:
         return Unmeasured(
             f"no wheel: {len(kept.index)} of {len(sheet)} stripe points make a profile, "
             f"{MIN_WHEEL_POINTS} needed"
         )
     return kept
-
-
-def counted(causes: tuple[Cause, ...]) -> dict[Cause, int]:
-    """Count the points that were left out by cause."""
-    return {cause: n for cause, n in Counter(causes).items() if cause is not Cause.NONE}
 
 
 def _tread_in_rig(

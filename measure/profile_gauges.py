@@ -11,7 +11,7 @@ from measure.limits import Limits
 from measure.profile import Profile
 from measure.quantities import Quantity, Reading, Status
 from measure.reference import ReferenceProfile
-from measure.uncertainty import Budget, Motions
+from measure.uncertainty import Budget
 from measure.wheel import WheelQuality, WheelReadings
 
 # A profile that someone smoothed already is averaged over little more than its own points.

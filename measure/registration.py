@@ -34,6 +34,8 @@ def refine_shift(points_mm: FloatArray, shift_mm: FloatArray, template: Template
         Shape (2,).
     """
     start = shift_mm
+    tip_y = template.points_mm[template.tip, 0]
+    points_mm = points_mm[points_mm[:, 0] - shift_mm[0] < tip_y + 2.0 * _NEAR_MM]
     for _ in range(_ROUNDS):
         along, outside, nearest = template.place(points_mm - shift_mm)
         unworn = along < template.along_mm[template.tip] + _PAST_TIP_MM

@@ -10,7 +10,7 @@ import numpy as np
 
 from calib import FloatArray, LaserSensor
 from measure.flange import Voters, find_flanges
-from measure.laying import Laid, Unmeasured, counted, keep, place_of_flange
+from measure.laying import Laid, Unmeasured, keep, place_of_flange
 from measure.section import Section, SheetMap, SheetPoints
 from measure.template import Template
 
@@ -18,7 +18,7 @@ from measure.template import Template
 _ANGLES_RAD = np.radians(np.arange(-75.0, 75.1, 5.0))
 _SEARCH_POINTS = 250
 _BAND_MM = (-12.0, 4.0)
-_MIN_FIT_SHARE = 0.6
+_MIN_FIT_SHARE = 0.3
 _ROUNDS = 12
 _NEAR_MM = 3.0
 _HUBER_MM = 0.1
@@ -54,6 +54,10 @@ def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) ->
         return shift
     lie, shift = _refined(sheet, sensor, lie, shift, template)
     section = Section.of(sheet, lie.map(sensor))
+    # Again, now that the direction is exact: a second wheel shows only then.
+    shift = place_of_flange(section, template)
+    if isinstance(shift, Unmeasured):
+        return shift
     kept = keep(section, sheet, shift, template)
     if isinstance(kept, Unmeasured):
         return kept
@@ -68,7 +72,7 @@ def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) ->
         shift_mm=shift,
         along_mm=kept.along_mm,
         noise_factor=kept.noise_factor,
-        left_out=counted(kept.causes),
+        left_out=kept.left_out,
         once_mm=squeeze[:, :, None],
         shared_mm=turn[:, :, None],
         axle_offset_mm=None,
@@ -87,9 +91,7 @@ def _best_lie(sheet: SheetPoints, sensor: LaserSensor, template: Template) -> _L
 
 def _fit_share(section: Section, template: Template) -> float:
     """Return which share of the points can be the wheel when the flange is laid on flange."""
-    flanges = find_flanges(
-        Voters(section.points_mm, section.tangent, section.to_camera), template
-    )
+    flanges = find_flanges(Voters(section.points_mm, section.tangent, section.to_camera), template)
     if not flanges:
         return 0.0
     _, outside, nearest = template.place(section.points_mm - flanges[0].shift_mm)
@@ -122,3 +124,15 @@ def _refined(
         step, *_ = np.linalg.lstsq(design, -error * np.sqrt(weight), rcond=None)
         lie, shift_mm = _turned(lie, shift_mm, step, template)
     return lie, shift_mm
+
+
+def _turned(
+    lie: _Lie, shift_mm: FloatArray, step: FloatArray, template: Template
+) -> tuple[_Lie, FloatArray]:
+    """Turn the wheel about its flange tip and shift it."""
+    turn = float(step[2])
+    cos, sin = np.cos(turn), np.sin(turn)
+    tip = template.points_mm[template.tip]
+    turned_tip = np.array([[cos, -sin], [sin, cos]]) @ (shift_mm + tip)
+    angle = lie.angle_rad + (-turn if lie.mirrored else turn)
+    return _Lie(angle, lie.mirrored), turned_tip - tip + step[:2]

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from fastapi import FastAPI
 
 from station.api.gate import Gate
+from station.api.guard import Guard
 from station.api.metrics import Metrics
 from station.api.parts import Parts
 from station.api.problems import PROBLEMS, answer_with_problems
@@ -25,7 +26,7 @@ def build_app(
     InputUnusable
         If `admin_key` is too short.
     """
-    metrics = Metrics(station)
+    metrics, gate = Metrics(station), Gate(station, admin_key)
     app = FastAPI(
         title="Treadline station",
         version=API_VERSION,
@@ -39,11 +40,11 @@ def build_app(
         station=station,
         passes=Passes(station),
         sessions=Sessions(station),
-        gate=Gate(station, admin_key),
         metrics=metrics,
         worker_ready=worker_ready,
     )
     answer_with_problems(app)
+    app.add_middleware(Guard, gate=gate)
     app.add_middleware(Watch, metrics=metrics)
     for router in ROUTERS:
         app.include_router(router, responses=PROBLEMS)

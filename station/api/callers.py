@@ -3,26 +3,27 @@
 from collections.abc import Callable
 from typing import Annotated
 
-from fastapi import Depends, Security
+from fastapi import Depends, Request, Security
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 
-from station.api.parts import PartsOf
-from station.errors import KeyRefused, ScopeMissing
+from station.errors import ScopeMissing
 from station.store import Caller, Scope
 
+# For the contract; what it finds is not used.
 _bearer = HTTPBearer(auto_error=False, description="A key of the station.")
 
 
 def needs(scope: Scope) -> Callable[..., Caller]:
-    """Return a dependency that lets only callers with `scope` through, and says who calls."""
+    """Return a dependency that lets only callers with `scope` through, and says who calls.
+
+    The guard has refused those without a key before any route is looked for.
+    """
 
     def admitted(
-        parts: PartsOf,
-        given: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)],
+        request: Request,
+        _: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)],
     ) -> Caller:
-        if given is None:
-            raise KeyRefused("this call needs a key; send it as `Authorization: Bearer KEY`")
-        caller = parts.gate.admit(given.credentials)
+        caller: Caller = request.state.caller
         if not caller.may(scope):
             raise ScopeMissing(
                 f"the key {caller.name!r} has {', '.join(sorted(caller.scopes))}; "

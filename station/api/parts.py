@@ -6,7 +6,6 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from station.api.gate import Gate
 from station.api.metrics import Metrics
 from station.operations import Passes, Sessions, Station
 
@@ -18,7 +17,6 @@ class Parts:
     station: Station
     passes: Passes
     sessions: Sessions
-    gate: Gate
     metrics: Metrics
     worker_ready: Callable[[], bool]
 

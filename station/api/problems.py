@@ -62,13 +62,7 @@ def answer_with_problems(app: FastAPI) -> None:
     """Have every error of an app answered by a problem document."""
 
     async def known(request: Request, error: Exception) -> JSONResponse:
-        return _answer(
-            request,
-            status=status_of(error),
-            name=type(error).__name__,
-            detail=str(error),
-            state=getattr(error, "state", None),
-        )
+        return problem_answer(request.url.path, error)
 
     app.add_exception_handler(errors.StationError, known)
     app.add_exception_handler(CalibError, known)
@@ -77,10 +71,21 @@ def answer_with_problems(app: FastAPI) -> None:
     app.add_exception_handler(Exception, _answer_unknown)
 
 
+def problem_answer(path: str, error: Exception) -> JSONResponse:
+    """Return the answer to a call at `path` that ended in an error of the table."""
+    return _answer(
+        path,
+        status=status_of(error),
+        name=type(error).__name__,
+        detail=str(error),
+        state=getattr(error, "state", None),
+    )
+
+
 async def _answer_invalid(request: Request, error: Exception) -> JSONResponse:
     found = error.errors() if isinstance(error, RequestValidationError) else []
     lines = [f"{'.'.join(str(part) for part in each['loc'])}: {each['msg']}" for each in found]
-    return _answer(request, status=422, name="RequestInvalid", detail="; ".join(lines))
+    return _answer(request.url.path, status=422, name="RequestInvalid", detail="; ".join(lines))
 
 
 async def _answer_http(request: Request, error: Exception) -> JSONResponse:
@@ -89,7 +94,7 @@ async def _answer_http(request: Request, error: Exception) -> JSONResponse:
         status, detail, headers = error.status_code, error.detail, error.headers
     path = request.url.path
     lines = {404: f"{path}: no such address", 405: f"{path}: not by {request.method}"}
-    answer = _answer(request, status=status, name="HttpError", detail=lines.get(status, detail))
+    answer = _answer(path, status=status, name="HttpError", detail=lines.get(status, detail))
     answer.headers.update(headers or {})
     return answer
 
@@ -97,7 +102,7 @@ async def _answer_http(request: Request, error: Exception) -> JSONResponse:
 async def _answer_unknown(request: Request, error: Exception) -> JSONResponse:
     _log.error("request failed unexpectedly", path=request.url.path, exc_info=error)
     return _answer(
-        request,
+        request.url.path,
         status=500,
         name="InternalError",
         detail="the station failed unexpectedly; its log says more",
@@ -105,14 +110,14 @@ async def _answer_unknown(request: Request, error: Exception) -> JSONResponse:
 
 
 def _answer(
-    request: Request, *, status: int, name: str, detail: str, state: str | None = None
+    path: str, *, status: int, name: str, detail: str, state: str | None = None
 ) -> JSONResponse:
     problem = Problem(
         type=f"urn:treadline:problem:{name}",
         title=_words(name),
         status=status,
         detail=detail,
-        instance=request.url.path,
+        instance=path,
         state=state,
     )
     headers = {401: {"WWW-Authenticate": "Bearer"}, 503: {"Retry-After": str(_RETRY_AFTER_S)}}

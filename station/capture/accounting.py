@@ -65,17 +65,17 @@ class FrameAccount:
         return True
 
     def confirm(self) -> None:
-        """A frame that arrived is in the file."""
+        """Note that a frame that arrived is in the file."""
         self.recorded += 1
 
     def drop(self, frame_id: int) -> None:
-        """A frame that arrived could not be written; `close` says so, once for all of them."""
+        """Note that a frame could not be written; `close` says so, once for all of them."""
         self.arrived -= 1
         self.lost += 1
         self._dropped.append(frame_id)
 
     def begin_again(self) -> None:
-        """The camera was opened again; it numbers its frames anew."""
+        """Expect the numbers of a camera that was opened again: they begin anew."""
         self._last_id = None
 
     def close(self, triggered: int | None) -> None:

@@ -79,6 +79,11 @@ class Camera:
         with self._talking():
             self._camera.software_trigger()
 
+    def close(self) -> None:
+        """Let go of the camera; it can be opened again once nothing refers to it."""
+        self.stop()
+        del self._device, self._camera
+
     def description(self) -> dict[str, str]:
         """Return what the camera is and how it is set, for the recording."""
         with self._talking():

@@ -26,14 +26,14 @@ class Caller:
             self.connection.sendall(json.dumps(fields).encode() + b"\n")
 
     def next_order(self) -> dict[str, Any] | None:
-        """Return the next whole order; ValueError where the line is none."""
+        """Return the next whole order; ValueError or TypeError where it is none."""
         line, end, rest = self.received.partition(b"\n")
         if not end:
             return None
         self.received = rest
         order = json.loads(line)
         if not isinstance(order, dict):
-            raise ValueError("an order is a JSON object")
+            raise TypeError("an order is a JSON object")
         return order
 
 
@@ -68,7 +68,7 @@ class ControlServer:
                 continue
             try:
                 order = caller.next_order()
-            except ValueError as error:
+            except (TypeError, ValueError) as error:
                 caller.answer({"error": "InputUnusable", "message": f"not an order: {error}"})
                 self._forget(caller)
                 continue

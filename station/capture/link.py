@@ -1,4 +1,4 @@
-"""The capture process's side of its recorder: orders out, answers in, and a new one when it dies."""
+"""The capture process's side of its recorder: orders, answers, and another one when it dies."""
 
 import json
 import socket
@@ -55,9 +55,9 @@ class RecorderDied(Exception):
 class RecorderLink:
     """A recorder process and the entries it has not yet confirmed.
 
-    The recorder writes in the order it is told, and what it wrote survives it.  So when it dies, the
-    number of entries in the file tells which of those on the way are still to be written; they lie
-    in the ring, and another recorder writes them.
+    The recorder writes in the order it is told, and what it wrote survives it.  So when it dies,
+    the number of entries in the file tells which of those on the way are still to be written; they
+    lie in the ring, and another recorder writes them.
     """
 
     def __init__(self, ring: Ring) -> None:
@@ -77,6 +77,11 @@ class RecorderLink:
         """Entries on their way to the file."""
         return len(self._pending)
 
+    @property
+    def is_recording(self) -> bool:
+        """Whether a recording is open."""
+        return bool(self._opening)
+
     def open(self, plan: RecordingPlan, metadata: Mapping[str, Mapping[str, str]]) -> None:
         """Begin a recording; raises what the recorder says of its path."""
         self._pending.clear()
@@ -92,6 +97,11 @@ class RecorderLink:
             self._close()
             self._start()
         self._ask({**self._opening, "resume": False}, _START_TIMEOUT_S)
+
+    def discard(self) -> None:
+        """Take back the recording just opened."""
+        self._ask({"do": "discard"}, _START_TIMEOUT_S)
+        self._opening = {}
 
     def put(self, entry: Entry) -> None:
         """Order an entry to be written."""
@@ -136,6 +146,7 @@ class RecorderLink:
     def finish(self, accounting: Mapping[str, str]) -> dict[str, Any]:
         """Finish the recording; all entries must have been answered."""
         answer = self._ask({"do": "finish", "accounting": dict(accounting)}, _FINISH_TIMEOUT_S)
+        self._opening = {}
         return dict(answer["finished"])
 
     def close(self) -> None:
@@ -145,7 +156,7 @@ class RecorderLink:
     def _start(self) -> None:
         ours, theirs = socket.socketpair()
         descriptors = (theirs.fileno(), self._ring.descriptor)
-        arguments = [*map(str, descriptors), str(self._ring.slot_bytes)]
+        arguments = [*map(str, descriptors), str(self._ring.picture_bytes)]
         command = [sys.executable, "-m", "station.capture.recorder", *arguments]
         self._process = subprocess.Popen(command, pass_fds=descriptors)  # noqa: S603  our own code
         theirs.close()

@@ -1,60 +1,81 @@
 """The capture process: it keeps one camera open and records when it is told to.
 
 One thread does everything: it asks the driver for frames, the recorder for answers and the socket
-for orders, none for long.  Nothing has to be locked, and no work of one holds up another's.
+for orders, none of them for long.  Nothing has to be locked, and nothing holds up the frames.
 """
 
 import os
 import signal
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from station.capture.camera import Camera
 from station.capture.control import Caller, ControlServer
-from station.capture.link import RecorderLink
+from station.capture.keeper import CameraKeeper
 from station.capture.plan import CaptureReport, RecordingPlan, Trigger
-from station.capture.ring import Ring
 from station.capture.session import CaptureSession
-from station.capture.status import ALLOWED, CaptureState, CaptureStatus
-from station.errors import CameraError, CameraLost, StateConflict, StationError
+from station.capture.status import CaptureState, CaptureStatus
+from station.errors import CameraError, InputUnusable, StateConflict, StationError
 from station.settings import SensorSettings
 
 _IDLE_WAIT_S = 0.1
-_CHECK_INTERVAL_S = 1.0
-_REOPEN_INTERVAL_S = 0.5
 _TRIGGER_TIMEOUT_S = 3.0
+_REFUSABLE = (KeyError, TypeError, ValueError)
+"""What an order that is not well formed raises."""
+
+_ALLOWED: dict[str, frozenset[CaptureState]] = {
+    "status": frozenset(CaptureState),
+    "arm": frozenset({CaptureState.UNAVAILABLE, CaptureState.IDLE, CaptureState.RECORDED}),
+    "trigger": frozenset({CaptureState.RECORDING}),
+    "finish": frozenset({CaptureState.RECORDING, CaptureState.BLIND, CaptureState.RECORDED}),
+    "shutdown": frozenset(CaptureState),
+}
+"""In which states an order is obeyed."""
 
 
-@dataclass(slots=True)
-class _Waiting:
-    """An order that is answered later."""
+@dataclass(frozen=True, slots=True)
+class _Finishing:
+    """A caller that waits for the report."""
 
     caller: Caller
     deadline_s: float
-    expected: int | None = None
+    expected: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Triggering:
+    """A caller that waits for the frame it triggered."""
+
+    caller: Caller
+    deadline_s: float
+    recorded: int
+    refused: int
 
 
 class CaptureProcess:
-    """One sensor's camera, ring, recorder and socket."""
+    """One sensor's camera, recorder and socket."""
 
     def __init__(self, settings: SensorSettings, socket_path: Path) -> None:
-        self._settings = settings
+        self._sensor = settings.id
         self._control = ControlServer(socket_path)
-        self._state = CaptureState.UNAVAILABLE
-        self._problem: str | None = "not opened yet"
-        self._camera: Camera | None = None
-        self._ring: Ring | None = None
-        self._link: RecorderLink | None = None
+        self._keeper = CameraKeeper(settings)
         self._session: CaptureSession | None = None
         self._report: CaptureReport | None = None
-        self._finishing: _Waiting | None = None
-        self._triggering: _Waiting | None = None
-        self._checked_s = self._tried_s = -1e9
+        self._finishing: _Finishing | None = None
+        self._triggering: _Triggering | None = None
         self._parent = os.getppid()
         self._ending = False
+
+    @property
+    def state(self) -> CaptureState:
+        """The present state; it follows from what there is."""
+        if self._report is not None:
+            return CaptureState.RECORDED
+        has_camera = self._keeper.camera is not None
+        if self._session is not None:
+            return CaptureState.RECORDING if has_camera else CaptureState.BLIND
+        return CaptureState.IDLE if has_camera else CaptureState.UNAVAILABLE
 
     def end(self) -> None:
         """End at the next opportunity, with the recording finished."""
@@ -66,13 +87,164 @@ class CaptureProcess:
             while not self._ending and os.getppid() == self._parent:
                 self._turn()
         finally:
-            self._shut_down()
+            if self._session is not None:
+                self._conclude(self._session, expected=None)
+            self._keeper.close()
+            self._control.close()
 
     def _turn(self) -> None:
-        acquiring = self._state is CaptureState.RECORDING
-        for caller, order in self._control.orders(0.0 if acquiring else _IDLE_WAIT_S):
+        recording = self.state is CaptureState.RECORDING
+        for caller, order in self._control.orders(0.0 if recording else _IDLE_WAIT_S):
             self._obey(caller, order)
-        if self._session is not None and self._report is None:
+        if self._session is not None:
             self._session.intake.step()
-            self._advance(self._session)
+            self._answer_trigger(self._session)
+            self._answer_finish(self._session)
         self._watch_camera()
+
+    # -- orders ---------------------------------------------------------------------------------
+
+    def _obey(self, caller: Caller, order: dict[str, Any]) -> None:
+        try:
+            answer = self._done(caller, order)
+        except StationError as error:
+            answer = {"error": type(error).__name__, "message": str(error)}
+            answer["state"] = getattr(error, "state", None)
+        except _REFUSABLE as error:
+            answer = {"error": InputUnusable.__name__, "message": f"not a usable order: {error}"}
+        if answer is not None:
+            caller.answer(answer)
+
+    def _done(self, caller: Caller, order: dict[str, Any]) -> dict[str, Any] | None:
+        """Carry out an order; return its answer, or None where that comes later."""
+        name = order["do"]
+        if self.state not in _ALLOWED[name]:
+            raise StateConflict(
+                f"sensor {self._sensor} is {self.state}; `{name}` needs it to be "
+                f"{' or '.join(sorted(_ALLOWED[name]))}",
+                state=str(self.state),
+            )
+        match name:
+            case "status":
+                return {"status": self._status().to_json()}
+            case "arm":
+                self._arm(RecordingPlan.from_json(order["plan"]))
+            case "trigger":
+                self._trigger(caller)
+                return None
+            case "finish":
+                return self._finish(caller, order["expected"], float(order["timeout_s"]))
+            case "shutdown":
+                self._ending = True
+        return {}
+
+    def _status(self) -> CaptureStatus:
+        base = CaptureStatus(
+            self.state, self._sensor, self._keeper.problem, self._keeper.description
+        )
+        if self._session is None:
+            return base
+        return self._session.status(base)
+
+    def _arm(self, plan: RecordingPlan) -> None:
+        camera, ring, link = self._keeper.ensure_open()
+        self._session = self._report = None
+        self._session = CaptureSession(plan, camera, ring, link)
+
+    def _trigger(self, caller: Caller) -> None:
+        session, camera = self._session, self._keeper.camera
+        if session is None or camera is None or session.plan.trigger is not Trigger.SOFTWARE:
+            raise StateConflict("the recording's trigger is not `software`", state=str(self.state))
+        if self._triggering is not None:
+            raise StateConflict("a trigger is under way; wait for its frame", state=str(self.state))
+        account = session.intake.account
+        deadline_s = time.monotonic() + _TRIGGER_TIMEOUT_S
+        self._triggering = _Triggering(caller, deadline_s, account.recorded, account.refused)
+        try:
+            session.trigger(camera)
+        except StationError:
+            self._triggering = None
+            raise
+
+    def _finish(
+        self, caller: Caller, expected: int | None, timeout_s: float
+    ) -> dict[str, Any] | None:
+        if self._report is not None:
+            return self._handed_over(self._report)
+        if self._finishing is not None:
+            raise StateConflict("the recording is being finished already", state=str(self.state))
+        self._finishing = _Finishing(caller, time.monotonic() + timeout_s, expected)
+        return None
+
+    # -- answers that come later ----------------------------------------------------------------
+
+    def _answer_trigger(self, session: CaptureSession) -> None:
+        waiting, intake = self._triggering, session.intake
+        if waiting is None:
+            return
+        if intake.account.recorded > waiting.recorded:
+            answer: dict[str, Any] = {"frame_id": intake.last_recorded_id}
+        elif intake.failure is not None:
+            answer = _refusal(intake.failure)
+        elif intake.account.refused > waiting.refused:
+            answer = _refusal(CameraError("the frame arrived incomplete; trigger again"))
+        elif time.monotonic() > waiting.deadline_s and not intake.in_flight:
+            answer = _refusal(CameraError("no frame came of the trigger; is the camera triggered?"))
+        else:
+            return
+        self._triggering = None
+        waiting.caller.answer(answer)
+
+    def _answer_finish(self, session: CaptureSession) -> None:
+        waiting = self._finishing
+        if waiting is not None:
+            late = time.monotonic() > waiting.deadline_s
+            if late or session.reached or session.quiet(waiting.expected):
+                self._finishing = None
+                self._conclude(session, waiting.expected)
+                if self._report is not None:
+                    waiting.caller.answer(self._handed_over(self._report))
+        elif session.reached and self._report is None:
+            self._conclude(session, expected=None)
+
+    def _conclude(self, session: CaptureSession, expected: int | None) -> None:
+        if self._report is None:
+            self._report = session.finish(self._keeper.camera, expected)
+
+    def _handed_over(self, report: CaptureReport) -> dict[str, Any]:
+        self._session = self._report = None
+        return {"report": report.to_json()}
+
+    # -- the camera -----------------------------------------------------------------------------
+
+    def _watch_camera(self) -> None:
+        """Notice that the camera is lost; open it again."""
+        session = self._session if self._report is None else None
+        heard_s = 0.0 if session is None else session.intake.heard_s
+        if self._keeper.found_lost(heard_s):
+            problem = "the camera stopped answering; check its power and cable"
+            if session is not None:
+                session.camera_lost(problem)
+            self._keeper.drop(problem)
+        elif self._keeper.is_due():
+            try:
+                camera, *_ = self._keeper.ensure_open()
+                if session is not None:
+                    session.camera_back(camera)
+            except CameraError as error:
+                self._keeper.drop(str(error))
+
+
+def _refusal(error: StationError) -> dict[str, Any]:
+    return {"error": type(error).__name__, "message": str(error), "state": None}
+
+
+def run_capture(settings: SensorSettings, socket_path: Path) -> None:
+    """Be the capture process of one sensor, until told to end by socket or SIGTERM.
+
+    Ctrl-C at a terminal reaches every process of its group; who started this one decides.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    process = CaptureProcess(settings, socket_path)
+    signal.signal(signal.SIGTERM, lambda *_: process.end())
+    process.run()

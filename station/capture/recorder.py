@@ -66,6 +66,11 @@ class Recorder:
                 return {"written": True}
             case "finish":
                 return {"finished": self._finish(order["accounting"])}
+            case "discard":
+                if self._writer is not None:
+                    self._writer.discard()
+                    self._writer = None
+                return {"discarded": True}
             case other:
                 raise RecordingError(f"the recorder does not know the order {other!r}")
 
@@ -117,7 +122,7 @@ class Recorder:
         self._writer.finish()
 
 
-def main(link_descriptor: int, ring_descriptor: int, slot_bytes: int) -> None:
+def main(link_descriptor: int, ring_descriptor: int, picture_bytes: int) -> None:
     """Be the recorder's process.
 
     Ctrl-C and a service manager's TERM reach every process of a group; the recorder ends when the
@@ -125,7 +130,7 @@ def main(link_descriptor: int, ring_descriptor: int, slot_bytes: int) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    ring = Ring(ring_descriptor, slot_bytes)
+    ring = Ring(ring_descriptor, picture_bytes)
     Recorder(Connection(link_descriptor), ring).run()
 
 

@@ -2,6 +2,7 @@
 
 import socket
 import time
+from dataclasses import replace
 
 from station.capture.camera import Camera
 from station.capture.clock import CameraClock
@@ -9,6 +10,7 @@ from station.capture.intake import Intake
 from station.capture.link import RecorderDied, RecorderLink
 from station.capture.plan import CaptureReport, RecordingPlan, Trigger
 from station.capture.ring import Ring
+from station.capture.status import CaptureStatus
 from station.errors import StationError
 from station.recording import Event, EventKind
 from station.software import SOFTWARE
@@ -38,9 +40,13 @@ class CaptureSession:
         self._link = link
         link.open(plan, _metadata(plan, camera))
         self.intake = Intake(link, range(ring.slots), plan.frames)
-        self.intake.note(Event(EventKind.STARTED, time.time_ns(), plan.session_id))
+        try:
+            self._start(camera)
+        except StationError:
+            link.discard()
+            raise
         self._started_s = time.monotonic()
-        self._start(camera)
+        self.intake.note(Event(EventKind.STARTED, time.time_ns(), plan.session_id))
 
     @property
     def reached(self) -> bool:
@@ -49,6 +55,19 @@ class CaptureSession:
         if plan.frames is not None and account.accounted >= plan.frames:
             return True
         return plan.seconds is not None and time.monotonic() - self._started_s >= plan.seconds
+
+    def status(self, base: CaptureStatus) -> CaptureStatus:
+        """Return the process's status with this recording in it."""
+        account = self.intake.account
+        return replace(
+            base,
+            session_id=self.plan.session_id,
+            path=self.plan.path,
+            recorded=account.recorded,
+            lost=account.lost,
+            refused=account.refused,
+            repeated=account.repeated,
+        )
 
     def trigger(self, camera: Camera) -> None:
         """Expose once."""
@@ -88,8 +107,8 @@ class CaptureSession:
         intake.account.close(triggered)
         if intake.resent_packets:
             detail = "packets were lost on the way and sent again"
-            resent = Event(EventKind.PACKETS_RESENT, time.time_ns(), detail)
-            intake.note(Event(resent.kind, resent.time_ns, detail, count=intake.resent_packets))
+            kind, count = EventKind.PACKETS_RESENT, intake.resent_packets
+            intake.note(Event(kind, time.time_ns(), detail, count=count))
         intake.note(Event(EventKind.FINISHED, time.time_ns(), self.plan.session_id))
         self._settle()
         self._close_file(self._report(triggered))

@@ -22,20 +22,6 @@ class CaptureState(StrEnum):
     """What was planned is in the file; the report waits to be fetched."""
 
 
-ALLOWED: Mapping[CaptureState, frozenset[CaptureState]] = {
-    CaptureState.UNAVAILABLE: frozenset({CaptureState.IDLE}),
-    CaptureState.IDLE: frozenset({CaptureState.UNAVAILABLE, CaptureState.RECORDING}),
-    CaptureState.RECORDING: frozenset(
-        {CaptureState.BLIND, CaptureState.RECORDED, CaptureState.IDLE}
-    ),
-    CaptureState.BLIND: frozenset(
-        {CaptureState.RECORDING, CaptureState.RECORDED, CaptureState.UNAVAILABLE}
-    ),
-    CaptureState.RECORDED: frozenset({CaptureState.IDLE, CaptureState.UNAVAILABLE}),
-}
-"""Which state may follow which."""
-
-
 @dataclass(frozen=True, slots=True)
 class CaptureStatus:
     """A capture process at one moment."""

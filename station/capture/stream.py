@@ -74,10 +74,10 @@ class FrameStream:
             buffer = self._stream.try_pop_buffer()
 
     def close(self) -> list[ReceivedFrame]:
-        """Stop receiving; return what had come, the last perhaps in part."""
-        self._stream.stop_thread(False)  # the driver keeps the buffers, so that they can be taken
+        """Return what had come, and stop receiving."""
         last = list(self.take(0))
-        # A camera can be opened again only when nothing of its stream is left.
+        # The stream's end stops its thread; stopping that before makes Aravis complain.  A camera
+        # can be opened again only when nothing of its stream is left.
         self._slot_of.clear()
         self._buffers.clear()
         del self._stream
@@ -86,14 +86,15 @@ class FrameStream:
     def _taken(self, buffer: Any) -> ReceivedFrame:
         slot = self._slot_of[buffer]
         self.lent.discard(slot)
+        flaw = _flaw(buffer.get_status())
         return ReceivedFrame(
             slot=slot,
             frame_id=buffer.get_frame_id(),
             camera_ns=buffer.get_timestamp(),
             received_ns=buffer.get_system_timestamp(),
-            width=buffer.get_image_width(),
-            height=buffer.get_image_height(),
-            flaw=_flaw(buffer.get_status()),
+            width=0 if flaw else buffer.get_image_width(),
+            height=0 if flaw else buffer.get_image_height(),
+            flaw=flaw,
         )
 
 

@@ -29,7 +29,6 @@ GROUPS: dict[str, str] = {
     "camera": "station.cli.camera",
     "recording": "station.cli.recording",
 }
-_PLAIN = {"rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False}
 
 
 def build_app(wanted: str | None = None) -> typer.Typer:
@@ -40,7 +39,9 @@ def build_app(wanted: str | None = None) -> typer.Typer:
     app = typer.Typer(
         help="A trackside station that measures railway wheels with laser light.",
         no_args_is_help=True,
-        **_PLAIN,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        add_completion=False,
     )
     app.callback()(_root)
     for name, (module, function) in COMMANDS.items():

@@ -1,6 +1,7 @@
 """From files to answers: pictures and recordings to calibrations and wheel readings."""
 
 from station.pipeline.calibrate import CalibrationOutcome, calibrate_sources
+from station.pipeline.cores import map_on_all_cores
 from station.pipeline.frames import Frame, read_frames
 from station.pipeline.intrinsics import calibrate_camera_from_sources
 from station.pipeline.measure import measure_sources
@@ -14,6 +15,7 @@ __all__ = [
     "calibrate_camera_from_sources",
     "calibrate_sources",
     "load_reference",
+    "map_on_all_cores",
     "measure_sources",
     "observe_sources",
     "read_frames",

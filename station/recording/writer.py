@@ -13,7 +13,7 @@ from mcap.records import Attachment, Channel, Metadata, Schema
 
 from calib import CameraModel
 from station.errors import DiskFull, RecordingError
-from station.recording.activefile import ActiveFile
+from station.recording.activefile import ActiveFile, active_path
 from station.recording.appender import Buffer, McapAppender, Message
 from station.recording.events import Event, EventKind
 from station.recording.rawimage import raw_image_around
@@ -153,6 +153,11 @@ class RecordingWriter:
         if self._summary is None:
             self._summary = self._finished(disk_full=False)
         return self._summary
+
+    def discard(self) -> None:
+        """Take the recording back: nothing of it is left."""
+        self._file.abandon()
+        active_path(self.path).unlink()
 
     def _started(self, *, resume: bool) -> McapAppender:
         descriptor = self._file.descriptor

@@ -13,6 +13,7 @@ from station.scenes.texture import brushed
 
 _TEXEL_MM = 0.25
 _TEXELS = 512
+_GRAIN_START_MM = 20.0  # the tile is mirrored beyond its ends; the first end lies off the board
 _BOARD_SEED = 7 * 8 * 12  # one target for all pictures: its grain and its lamps do not change
 
 
@@ -220,10 +221,10 @@ def _grain(place: BoardMap) -> Counts:
     return np.asarray(
         cv2.remap(
             _grain_tile(),
-            place.x_mm / np.float32(_TEXEL_MM),
-            place.y_mm / np.float32(_TEXEL_MM),
+            (place.x_mm + np.float32(_GRAIN_START_MM)) / np.float32(_TEXEL_MM),
+            (place.y_mm + np.float32(_GRAIN_START_MM)) / np.float32(_TEXEL_MM),
             interpolation=cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_WRAP,
+            borderMode=cv2.BORDER_REFLECT_101,
         )
     )
 

@@ -49,7 +49,7 @@ class LightRecipe:
 
     lamps: float = 150.0
     lamps_fall: float = 0.0
-    stripe: float = 165.0
+    stripe: float = 240.0
     stripe_unevenness: float = 0.06
     daylight: float = 14.0
     sun: float = 0.0
@@ -65,17 +65,17 @@ RECIPES = {
     # Four times the exposure that the dots want, under a reflection that alone would fill the
     # converter.
     Light.OVER_EXPOSED: LightRecipe(
-        lamps=600.0, stripe=900.0, shine=420.0, daylight=110.0, surroundings=30.0
+        lamps=600.0, stripe=1000.0, shine=420.0, daylight=110.0, surroundings=30.0
     ),
     # A laser strong enough that a dot it crosses melts together with the stripe.
-    Light.CROSSING: LightRecipe(stripe=280.0),
+    Light.CROSSING: LightRecipe(stripe=400.0),
     Light.DIM: LightRecipe(
-        lamps=16.0, lamps_fall=0.6, stripe=26.0, stripe_unevenness=0.35, daylight=5.0
+        lamps=16.0, lamps_fall=0.6, stripe=36.0, stripe_unevenness=0.35, daylight=5.0
     ),
     Light.STRAY: LightRecipe(
-        stripe=1400.0, false_stripe=1.0, stray_spots=14, daylight=25.0, surroundings=10.0
+        stripe=2000.0, false_stripe=1.0, stray_spots=14, daylight=25.0, surroundings=10.0
     ),
     Light.BRIGHT_BACKGROUND: LightRecipe(
-        lamps=130.0, daylight=160.0, sun=260.0, surroundings=150.0, stripe=150.0
+        lamps=130.0, daylight=160.0, sun=260.0, surroundings=150.0, stripe=220.0
     ),
 }

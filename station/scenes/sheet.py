@@ -119,8 +119,8 @@ class LaserSheet:
 
     @property
     def reach_mm(self) -> float:
-        """Distance from the middle beyond which the sheet gives less than 1e-5 of its light."""
-        return 5.0 * 1.1 * self.sigma_mm
+        """Distance from the middle beyond which the sheet gives less than 4e-5 of its light."""
+        return 4.5 * 1.1 * self.sigma_mm
 
     def _fan(self, angle_rad: FloatArray) -> FloatArray:
         # Tabulated: 0.1 degrees is a thirtieth of the shortest wave.

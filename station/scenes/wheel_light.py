@@ -11,7 +11,7 @@ from station.scenes.revolution import Revolution
 from station.scenes.sheet import LaserSheet
 from station.scenes.steel import returned
 
-_ACROSS_STEP_MM = 0.04  # with the profile's 0.05 mm: about 4 x 4 samples on a pixel
+_ACROSS_STEP_MM = 0.05  # as the profile's: about 4 x 4 samples on a pixel
 _BODY_SCALE = 8
 
 
@@ -44,20 +44,23 @@ def stripe_light(
     strip = wheel.section(sheet.plane, sheet.source_in_cam_mm, across)
     middle = strip.points_in_cam_mm[:, len(across) // 2]
     seen = wheel.sees(middle, np.zeros(3)) & wheel.sees(middle, sheet.source_in_cam_mm)
-    points, normals = strip.points_in_cam_mm[seen], strip.normals_in_cam[seen]
-    if len(points) < 2:
+    if np.count_nonzero(seen) < 2:
         return np.zeros(window.shape, dtype=np.float32)
 
-    flat_points, flat_normals = points.reshape(-1, 3), normals.reshape(-1, 3)
-    bright = sheet.irradiance(flat_points, flat_normals).reshape(points.shape[:2])
-    y = wheel.profile.points_mm[strip.place[seen], 0]
-    bright *= returned(
-        y[:, None], normals, _towards(sheet.source_in_cam_mm, points), _towards(np.zeros(3), points)
+    points, normals = strip.points_in_cam_mm[seen], strip.normals_in_cam[seen]
+    flat = points.reshape(-1, 3)
+    bright = sheet.irradiance(flat, normals.reshape(-1, 3)).reshape(points.shape[:2])
+    # Over the millimetre of the sheet's thickness the wheel turns by 0.1 degrees: what steel
+    # returns is the same all across.
+    share = returned(
+        wheel.profile.points_mm[strip.place[seen], 0],
+        normals[:, len(across) // 2],
+        _towards(sheet.source_in_cam_mm, middle[seen]),
+        _towards(np.zeros(3), middle[seen]),
     )
-    bright *= dirt[strip.place[seen], None]
-    pixels = camera.project(flat_points).reshape(*points.shape[:2], 2)
-    facing = (normals * points).sum(axis=-1) < 0.0
-    return _splat(pixels, bright * facing * _areas_px(pixels, np.flatnonzero(seen)), window)
+    bright *= (share * dirt[strip.place[seen]])[:, None]
+    pixels = camera.project(flat).reshape(*points.shape[:2], 2)
+    return _splat(pixels, bright * _areas_px(pixels, np.flatnonzero(seen)), window)
 
 
 def body_light(
@@ -88,7 +91,8 @@ def body_light(
     points, normals = wheel.first_hit(directions.astype(np.float64))
     hit = np.isfinite(points[:, 0])
     light = np.zeros(len(points), dtype=np.float32)
-    light[hit] = _daylight(points[hit], normals[hit], recipe, rng)
+    if hit.any():
+        light[hit] = _daylight(points[hit], normals[hit], recipe, rng)
     cover = hit.reshape(shape).astype(np.float32)
     return _fine(cover, camera), _fine(light.reshape(shape), camera)
 

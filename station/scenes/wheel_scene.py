@@ -19,7 +19,7 @@ from station.scenes.wheel_truth import WheelTruth
 
 # Steel returns a half of what matt white does, and its flange meets the light at 80 degrees:
 # the laser is set brighter for wheels than for targets.
-_LASER_FOR_STEEL = 3.8
+_LASER_FOR_STEEL = 2.6
 _MARGIN_PX = 24
 
 

@@ -13,6 +13,9 @@ from station.settings import StationSettings
 from station.store import Store
 from station.worker import WorkerQueue, is_held
 
+_CAPTURE_START_S = 3.0
+"""A capture process started again listens within a second; a caller waits for it so long."""
+
 
 def assemble_api(settings: StationSettings, run_dir: Path, *, admin_key: str | None) -> FastAPI:
     """Return the API on the station's own store, captures and worker.
@@ -25,7 +28,10 @@ def assemble_api(settings: StationSettings, run_dir: Path, *, admin_key: str | N
         store=Store.open(layout.store_url),
         layout=layout,
         captures={
-            sensor.id: CaptureClient(socket_path(run_dir, sensor.id)) for sensor in settings.sensors
+            sensor.id: CaptureClient(
+                socket_path(run_dir, sensor.id), connect_timeout_s=_CAPTURE_START_S
+            )
+            for sensor in settings.sensors
         },
         jobs=WorkerQueue(layout.jobs_url),
         salvage=salvage_recording,

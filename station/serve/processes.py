@@ -1,14 +1,16 @@
 """What the station's processes do when they start; each runs as a process of its own."""
 
 import os
+import signal
 import socket
 from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
+from station.capture import start_capture
 from station.serve.lifeline import end_with_parent
 from station.serve.logs import log_as
-from station.settings import StationSettings
+from station.settings import SensorSettings, StationSettings
 
 _GRACE_S = 3
 _SPAWN = get_context("spawn")  # never fork: Aravis and SQLite do not survive it
@@ -17,6 +19,11 @@ _SPAWN = get_context("spawn")  # never fork: Aravis and SQLite do not survive it
 def socket_path(run_dir: Path, sensor: str) -> Path:
     """Return where a sensor's capture process listens for commands."""
     return run_dir / f"{sensor}.sock"
+
+
+def start_sensor(sensor: SensorSettings, run_dir: Path) -> BaseProcess:
+    """Start the capture process of a sensor; it notices by itself when its parent dies."""
+    return start_capture(sensor, socket_path(run_dir, sensor.id))
 
 
 def start_api(settings: StationSettings, run_dir: Path, listening: socket.socket) -> BaseProcess:
@@ -39,6 +46,8 @@ def _run_worker(settings: StationSettings, supervisor_pid: int) -> None:
     from station.worker.process import run_worker  # noqa: PLC0415  only this process pays for it
 
     end_with_parent(supervisor_pid)
+    # Ctrl-C at a terminal reaches every process; in which order they end is the supervisor's.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     log_as("worker")
     run_worker(settings)
 

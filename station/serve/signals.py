@@ -12,14 +12,11 @@ class StopSignal:
 
     def __init__(self) -> None:
         self.received = False
+        # The first end becomes readable with the signal.
         self.readable, self._writable = os.pipe()
         os.set_blocking(self._writable, False)
         for number in _STOP_SIGNALS:
             signal.signal(number, self._note)
-
-    def fileno(self) -> int:
-        """Return the descriptor that becomes readable with the signal."""
-        return self.readable
 
     def _note(self, _number: int, _frame: FrameType | None) -> None:
         self.received = True

@@ -10,10 +10,9 @@ from pathlib import Path
 import structlog
 
 from station.operations import DataLayout, utc_now
-from station.serve.capturing import start_sensor
 from station.serve.children import Child, Handle
 from station.serve.listening import listen, url_of
-from station.serve.processes import start_api, start_worker
+from station.serve.processes import start_api, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
 from station.serve.signals import StopSignal
 from station.settings import StationSettings
@@ -108,4 +107,4 @@ def _wait(children: Sequence[Child], stop: StopSignal) -> None:
     """Sleep until a process ends, one is due to start again, or the signal comes."""
     due_s = [due for child in children if (due := child.due_s()) is not None]
     ends = [child.pidfd for child in children if child.pidfd is not None]
-    select.select([*ends, stop], [], [], min(due_s, default=None))
+    select.select([*ends, stop.readable], [], [], min(due_s, default=None))

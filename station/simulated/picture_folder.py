@@ -20,6 +20,10 @@ class PictureFolder:
         InputUnusable
             If there is no such folder, no picture in it, or the first is no picture.
         """
+        if not path.is_dir():
+            raise InputUnusable(
+                f"{path}: no folder; give a folder of PNG, JPEG, TIFF or BMP pictures of one size"
+            )
         self._paths = pictures_of(path)
         self._pictures: dict[int, Picture] = {}
         self.height, self.width = read_picture(self._paths[0]).shape

@@ -41,7 +41,7 @@ def work(
 
 
 def run_worker(settings: StationSettings) -> None:
-    """Be the worker process of a station: run its jobs until SIGTERM or SIGINT."""
+    """Be the worker process of a station: run its jobs until SIGTERM."""
     import cv2  # noqa: PLC0415  only the process that does the mathematics needs it
 
     from station.pipeline import calibrate_sources, measure_sources  # noqa: PLC0415  as above
@@ -49,6 +49,5 @@ def run_worker(settings: StationSettings) -> None:
     # The other core belongs to camera and disk.
     cv2.setNumThreads(1)
     stop = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stop.set())
+    signal.signal(signal.SIGTERM, lambda *_: stop.set())
     work(settings, calibrate=calibrate_sources, measure=measure_sources, stop=stop)

@@ -8,6 +8,7 @@ from station.api.docs import docs_page
 from station.api.models import Health, Readiness
 from station.api.parts import Parts, PartsOf
 from station.errors import StationError
+from station.operations import Capture
 
 router = APIRouter(tags=["health"])
 
@@ -33,12 +34,15 @@ def _readiness(parts: Parts) -> Readiness:
     except Exception:  # noqa: BLE001  whatever the database's driver raises, it is not ready
         answers["store"] = "does not answer"
     for sensor, capture in parts.station.captures.items():
-        try:
-            capture.status()
-            answers[f"sensor {sensor}"] = "ready"
-        except StationError as error:
-            answers[f"sensor {sensor}"] = str(error)
+        answers[f"sensor {sensor}"] = _problem(capture) or "ready"
     return Readiness(ready=set(answers.values()) == {"ready"}, parts=answers)
+
+
+def _problem(capture: Capture) -> str | None:
+    try:
+        return capture.status().problem
+    except StationError as error:
+        return str(error)
 
 
 @router.get("/metrics", response_class=PlainTextResponse)

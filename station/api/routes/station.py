@@ -37,7 +37,8 @@ def get_station(parts: PartsOf, _: Reader) -> StationModel:
 
 def _sensor(station: Station, sensor: SensorSettings) -> SensorModel:
     try:
-        state, problem = str(station.captures[sensor.id].status().state), None
+        status = station.captures[sensor.id].status()
+        state, problem = str(status.state), status.problem
     except StationError as error:
         state, problem = "unreachable", str(error)
     with station.store.look() as session:

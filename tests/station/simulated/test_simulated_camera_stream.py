@@ -99,7 +99,7 @@ def test_ids_wrap_from_65535_to_1():
 
 
 def test_packets_long_gone_are_said_to_be_unavailable():
-    # Nine of ten packets are lost, the answers to requests too, and one picture is kept: most
+    # Half of the packets are lost, half of those sent again too, and one picture is kept: many
     # requests come when their picture has gone.
     options = DeviceOptions(frame_rate_hz=100.0, resend_frames=1)
     _, statistics = stream(8, faults=Faults(packet_loss=0.5, seed=2), options=options)

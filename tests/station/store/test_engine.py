@@ -54,10 +54,14 @@ def test_two_stores_that_read_and_then_write_never_meet_a_locked_database(url, s
 
 
 def test_a_block_that_fails_leaves_nothing(store):
-    with pytest.raises(RuntimeError), store.change() as session:
-        session.add(a_pass("p1"))
-        session.flush()
-        raise RuntimeError
+    def fail_in_the_middle():
+        with store.change() as session:
+            session.add(a_pass("p1"))
+            session.flush()
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_in_the_middle()
     with store.look() as session, pytest.raises(NotFound, match="pass 'p1'"):
         the(session, Pass, "p1")
 

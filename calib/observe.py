@@ -1,0 +1,86 @@
+"""From a picture of the target to its numbered points and the stripe across it."""
+
+import cv2
+import numpy as np
+
+from calib.arrays import Picture
+from calib.chessboard import CornerPattern
+from calib.errors import TargetNotFound
+from calib.noise import PixelNoise
+from calib.stripe_on_board import find_board_stripes, stripe_of_board
+from calib.target import Target
+from calib.target_dots import DotPattern
+from calib.views import View
+
+FEWEST_SEEN = 0.6
+"""Share of the target's points that must be seen."""
+
+
+def observe_target(
+    picture: Picture, target: Target, *, name: str, laser_off: Picture | None = None
+) -> View:
+    """Find the target's points and the stripe in one picture.
+
+    Parameters
+    ----------
+    picture
+        Shape (H, W), 8 bit.
+    target
+        What is looked for. Its rows run down the picture, within 45 degrees, where its shape
+        leaves a choice; it is seen from the front.
+    name
+        The picture's name, for the view and for messages.
+    laser_off
+        The same scene with the laser off: the points are then taken from it, and the stripe
+        from the difference.
+
+    Returns
+    -------
+    View
+        Points and stripe with their sigmas; some points may be missing. `stripe` is None where
+        no line crosses the board.
+
+    Raises
+    ------
+    TargetNotFound
+        If fewer than 60 % of the points are seen, or their numbering is not certain.
+    ValueError
+        If a picture is not 8 bit of shape (H, W), or the two differ in shape.
+    """
+    for each in (picture, picture if laser_off is None else laser_off):
+        if each.ndim != 2 or each.dtype != np.uint8 or each.shape != picture.shape:
+            raise ValueError(
+                "pictures must be 8 bit of one shape (H, W), got "
+                f"{each.dtype} of shape {each.shape} beside {picture.shape}"
+            )
+    scene = picture if laser_off is None else laser_off
+    noise = PixelNoise.from_picture(scene)
+    pattern: DotPattern | CornerPattern | None
+    if target.kind == "dots":
+        pattern = DotPattern.find(scene, noise, target)
+    else:
+        pattern = CornerPattern.find(scene, noise, target)
+    if pattern is None:
+        raise TargetNotFound(_refusal(name, target, "no pattern of points is seen"))
+    if laser_off is None:
+        stripes = find_board_stripes(picture, noise, pattern.area(target))
+        seen = pattern.numbered(scene, noise, target, stripes.lines)
+    else:
+        lit = np.asarray(cv2.subtract(picture, laser_off), dtype=np.uint8)
+        both = PixelNoise(2.0 * noise.floor, noise.gain)
+        stripes = find_board_stripes(lit, both, pattern.area(target))
+        seen = pattern.numbered(scene, noise, target, [])
+    if seen is None:
+        seen_text = f"{len(pattern)} points are seen, and it is not certain which they are"
+        raise TargetNotFound(_refusal(name, target, seen_text))
+    if len(seen) < FEWEST_SEEN * target.rows * target.cols:
+        raise TargetNotFound(_refusal(name, target, f"{len(seen)} points are seen"))
+    return View(name, seen.sorted_points(), stripe_of_board(stripes, seen.area(target)))
+
+
+def _refusal(name: str, target: Target, seen: str) -> str:
+    least = int(np.ceil(FEWEST_SEEN * target.rows * target.cols))
+    return (
+        f"{name}: {seen}; {target} needs {least} of its {target.rows * target.cols} points, "
+        "all borders among them: show all of the target, or check TARGET"
+    )

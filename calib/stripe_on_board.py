@@ -1,0 +1,175 @@
+"""The stripe across the board: the right line of ridge points, free of the target's own marks."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from calib.arrays import BoolArray, FloatArray, IntArray, Picture
+from calib.ellipse import Ellipses
+from calib.grid import apply_homography
+from calib.noise import PixelNoise
+from calib.stripe import kernel_of, locate_stripe
+from calib.stripe_lines import StripeLine, find_lines
+from calib.views import Cause, StripePoints
+
+_NEAR_PITCHES = 1.1
+"""How far beyond its outermost points a board surely reaches."""
+
+_FAR_PITCHES = 4.0
+_SHORTEST_PITCHES = 1.5
+_MARK_MARGIN = 2.0  # widths of a stripe from a mark within which its ridge is pulled
+_INDEPENDENT = 3.5  # kernels between two points whose errors are independent
+_FEWEST_POINTS = 8
+_FEWEST_TO_JUDGE = 12
+_SCATTER_NOTED = 1.15
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoardArea:
+    """Where the target's points are in the picture, in coordinates of its lattice.
+
+    Attributes
+    ----------
+    picture_from_node
+        Shape (3, 3).
+    low, high
+        Shape (2,), the outermost nodes.
+    dots
+        Outlines of the dots; None for a chessboard.
+    """
+
+    picture_from_node: FloatArray
+    low: IntArray
+    high: IntArray
+    dots: Ellipses | None
+
+    @property
+    def pitch_px(self) -> float:
+        """Distance of neighbours in the middle of the target."""
+        middle = 0.5 * (self.low + self.high)
+        points = apply_homography(
+            self.picture_from_node, np.array([middle, middle + [1, 0], middle + [0, 1]])
+        )
+        return float(np.linalg.norm(points[1:] - points[0], axis=1).min())
+
+    def region(self, shape: tuple[int, ...], margin_pitches: float) -> BoolArray:
+        """Return the pixels on the board, `margin_pitches` beyond its outermost points."""
+        (a, b), (c, d) = self.low - margin_pitches, self.high + margin_pitches
+        corners = apply_homography(
+            self.picture_from_node, np.array([[a, b], [c, b], [c, d], [a, d]])
+        )
+        mask = np.zeros(shape[:2], dtype=np.uint8)
+        cv2.fillConvexPoly(mask, np.rint(np.clip(corners, -20000, 20000)).astype(np.int32), 1)
+        return mask.astype(bool)
+
+    def marked(self, points_px: FloatArray, width_px: FloatArray) -> BoolArray:
+        """Return which points a dot's outline, or a square's edge, is too near to."""
+        reach = _MARK_MARGIN * width_px + 1.0
+        if self.dots is not None:
+            return _near_dots(self.dots, points_px, reach)
+        node = apply_homography(np.linalg.inv(self.picture_from_node), points_px)
+        gap = np.abs(node - np.rint(node)) * self.pitch_px < reach[:, None]
+        inside = ((node > self.low - 1.2) & (node < self.high + 1.2)).all(axis=1)
+        return np.asarray(gap.any(axis=1) & inside)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoardStripes:
+    """Ridge points on and around the board, and the lines they make, the likeliest first.
+
+    Attributes
+    ----------
+    points
+        All ridge points.
+    lines
+        Their lines; `member` counts in `points`.
+    off_board
+        The lines were found only beyond what surely is the board.
+    """
+
+    points: StripePoints
+    lines: list[StripeLine]
+    off_board: bool
+
+
+def find_board_stripes(picture: Picture, noise: PixelNoise, area: BoardArea) -> BoardStripes:
+    """Find every line across the board that might be the stripe.
+
+    A board may be larger than its pattern: where no line crosses the pattern, it is looked for
+    around it.
+    """
+    for margin in (_NEAR_PITCHES, _FAR_PITCHES):
+        points = locate_stripe(picture, region=area.region(picture.shape, margin), noise=noise)
+        usable = ~area.marked(points.centre_px, points.width_px)
+        lines = find_lines(points, usable, _SHORTEST_PITCHES * area.pitch_px)
+        if lines:
+            return BoardStripes(points, lines, off_board=margin == _FAR_PITCHES)
+    return BoardStripes(points, [], off_board=False)
+
+
+def stripe_of_board(found: BoardStripes, area: BoardArea) -> StripePoints | None:
+    """Return the points of the likeliest line, thinned until their errors are independent.
+
+    Parameters
+    ----------
+    found
+        The lines.
+    area
+        The board, all its marks known by now.
+
+    Returns
+    -------
+    StripePoints or None
+        None where no line, or too few points of one, are left. Sigma is raised where the points
+        scatter by more than it says: by speckle or the surface's grain.
+    """
+    if not found.lines:
+        return None
+    line = found.lines[0]
+    points = found.points.select(line.member)
+    points = points.select(~area.marked(points.centre_px, points.width_px))
+    if len(points) < _FEWEST_POINTS:
+        return None
+    points = points.select(_independent(points, line))
+    if len(points) < _FEWEST_POINTS:
+        return None
+    return _with_true_sigma(points, line, off_board=found.off_board)
+
+
+def _near_dots(dots: Ellipses, points_px: FloatArray, reach: FloatArray) -> BoolArray:
+    near = np.zeros(len(points_px), dtype=bool)
+    for i, radius in enumerate(dots.radius_px):
+        offset = points_px - dots.centre_px[i]
+        close = np.flatnonzero(np.abs(offset).max(axis=1) < 3.0 * radius + 30.0)
+        level = dots.picked(np.array([i])).level(offset[None, close])[0]
+        near[close] |= (level - 1.0) * radius < reach[close]
+    return near
+
+
+def _independent(points: StripePoints, line: StripeLine) -> IntArray:
+    """Return one point of every stretch as long as the kernel makes neighbours' errors alike."""
+    along = (points.centre_px - line.origin_px) @ line.direction
+    stretch = _INDEPENDENT * float(np.median(kernel_of(points.width_px)))
+    number = np.floor(along / stretch)
+    off_middle = np.abs(along / stretch - number - 0.5)
+    order = np.lexsort((off_middle, number))
+    first = np.concatenate([[True], np.diff(number[order]) > 0])
+    return order[first]
+
+
+def _with_true_sigma(points: StripePoints, line: StripeLine, *, off_board: bool) -> StripePoints:
+    scale = 1.0
+    if len(points) >= _FEWEST_TO_JUDGE:
+        off = line.across_px(points.centre_px) / points.sigma_px
+        scatter = float(np.median(np.abs(off - np.median(off)))) / 0.6745
+        scale = scatter if scatter > _SCATTER_NOTED else 1.0
+    return StripePoints(
+        centre_px=points.centre_px,
+        normal=points.normal,
+        sigma_px=scale * points.sigma_px,
+        width_px=points.width_px,
+        peak=points.peak,
+        saturated=points.saturated,
+        cause=(Cause.OFF_BOARD,) * len(points) if off_board else points.cause,
+    )

@@ -1,0 +1,144 @@
+"""The dots of a target in one picture: found, numbered, measured."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.arrays import BoolArray, IntArray, Picture
+from calib.dots_centre import DotCentres, measure_dots
+from calib.dots_find import find_dots
+from calib.ellipse import Ellipses
+from calib.grid import Lattice, agreeing, find_lattice, inside_target, number
+from calib.noise import PixelNoise
+from calib.seen import SeenTarget
+from calib.stripe_lines import StripeLine
+from calib.stripe_on_board import BoardArea
+from calib.target import Target
+from calib.views import Cause
+
+_CROSSED_FROM = 0.02
+_CLIPPED_FROM = 0.03
+_FAINTEST = 0.25  # of the median height
+_SIZE_RATIO = 1.3
+_GLARE_SLOPE = 0.3
+_GLARE_GROUND = 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DotPattern:
+    """Dots on a common lattice, not yet numbered.
+
+    Attributes
+    ----------
+    lattice
+        The lattice.
+    outlines
+        Rough outlines, in the order of the lattice's points.
+    """
+
+    lattice: Lattice
+    outlines: Ellipses
+
+    def __len__(self) -> int:
+        return len(self.lattice)
+
+    @classmethod
+    def find(cls, picture: Picture, noise: PixelNoise, target: Target) -> "DotPattern | None":
+        """Find the dots of a target; None where none make a lattice."""
+        dots = find_dots(picture, noise, dark=target.dark)
+        lattice = find_lattice(dots.centre_px, dots.radius_px, target.rows * target.cols)
+        return None if lattice is None else cls(lattice, dots.picked(lattice.index))
+
+    def area(self, target: Target) -> BoardArea:
+        """Return where the target may be in the picture."""
+        low, high = self.lattice.extent(target.rows, target.cols)
+        return BoardArea(self.lattice.picture_from_node, low, high, self.outlines)
+
+    def numbered(
+        self, picture: Picture, noise: PixelNoise, target: Target, lines: list[StripeLine]
+    ) -> SeenTarget | None:
+        """Measure the dots, those that the lattice predicts as well, and number them.
+
+        Parameters
+        ----------
+        picture, noise, target
+            As the dots were found with.
+        lines
+            Stripes across the dots.
+
+        Returns
+        -------
+        SeenTarget or None
+            None where the numbering is not certain.
+        """
+        empty = self.lattice.empty_nodes(target.rows, target.cols)
+        node = np.concatenate([self.lattice.node, empty])
+        outlines = self.outlines.joined(_expected_outlines(self, empty))
+        dots = measure_dots(picture, noise, outlines, lines, dark=target.dark)
+        keep = _like_the_others(dots, len(self))
+        numbering = number(
+            node[keep], self.lattice.picture_from_node, target.rows, target.cols
+        )
+        if numbering is None:
+            return None
+        place = numbering.rows_and_cols(node)
+        keep &= inside_target(place, target.rows, target.cols)
+        homography, agree = agreeing(place[keep], dots.centre_px[keep])
+        index = np.flatnonzero(keep)[agree]
+        return SeenTarget(
+            place[index],
+            dots.centre_px[index],
+            dots.sigma_px[index],
+            _causes(dots, index),
+            homography,
+            dots.outlines.picked(index),
+        )
+
+
+def _expected_outlines(pattern: DotPattern, node: IntArray) -> Ellipses:
+    """Return outlines at empty nodes: as large as the three nearest dots that are seen."""
+    lattice, outlines = pattern.lattice, pattern.outlines
+    centre = lattice.predict(node) if len(node) else np.empty((0, 2))
+    gap = np.linalg.norm(centre[:, None] - outlines.centre_px[None], axis=2)
+    nearest = np.argsort(gap, axis=1)[:, :3]
+    # What is off the lattice here, by distortion, is off beside as well.
+    off = outlines.centre_px - lattice.predict(lattice.node)
+    return Ellipses(
+        centre + np.median(off[nearest], axis=1), np.median(outlines.form[nearest], axis=1)
+    )
+
+
+def _like_the_others(dots: DotCentres, found: int) -> BoolArray:
+    """Return which dots are of the size and not much fainter than those first `found`."""
+    first = np.flatnonzero(dots.trusted[:found])
+    if first.size == 0:
+        return np.zeros(len(dots), dtype=bool)
+    gap = np.linalg.norm(
+        dots.centre_px[:, None] - dots.centre_px[None, first], axis=2
+    )
+    near = first[np.argsort(gap, axis=1)[:, : min(6, first.size)]]
+    size = dots.outlines.radius_px / np.median(dots.outlines.radius_px[near], axis=1)
+    height = dots.height / np.median(dots.height[near], axis=1)
+    # A light may fall off across the board; a chance find beside it is fainter still.
+    alike = (np.abs(np.log(size)) < np.log(_SIZE_RATIO)) & (height > _FAINTEST)
+    return np.asarray(dots.trusted & alike)
+
+
+def _causes(dots: DotCentres, index: IntArray) -> tuple[Cause, ...]:
+    """Say what is doubtful about each dot."""
+    ground = np.median(dots.ground[index])
+    height = np.median(dots.height[index])
+    causes = []
+    for i in index:
+        if dots.hidden[i] > _CROSSED_FROM:
+            causes.append(Cause.CROSSED)
+        elif dots.clipped[i] > _CLIPPED_FROM:
+            causes.append(Cause.SATURATED)
+        elif (
+            dots.slope[i] > _GLARE_SLOPE * dots.height[i]
+            or dots.ground[i] - ground > _GLARE_GROUND * height
+        ):
+            causes.append(Cause.GLARE)
+        else:
+            causes.append(Cause.NONE)
+    return tuple(causes)

@@ -1,0 +1,15 @@
+"""The figures of the README, measured where they are asked for."""
+
+from collections.abc import Callable
+
+from station.bench.capture import bench_capture
+from station.bench.lights import bench_lights
+from station.progress import Progress
+from station.tables import Table
+
+BENCHES: dict[str, Callable[[Progress], Table]] = {
+    "capture": bench_capture,
+    "lights": bench_lights,
+}
+
+__all__ = ["BENCHES", "bench_capture", "bench_lights"]
