@@ -27,9 +27,12 @@ from calib.errors import (
     TargetSpecInvalid,
     TooFewViews,
 )
+from calib.noise import PixelNoise
+from calib.observe import observe_target
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
 from calib.sensor import SENSOR_PARAMETERS, LaserSensor
+from calib.stripe import locate_stripe
 from calib.target import Target
 from calib.views import Cause, StripePoints, TargetPoints, View
 
@@ -52,6 +55,7 @@ __all__ = [
     "Method",
     "NotConverged",
     "Picture",
+    "PixelNoise",
     "RigidTransform",
     "SolveReport",
     "SolvedPoints",
@@ -68,6 +72,8 @@ __all__ = [
     "calibrate",
     "calibrate_camera",
     "frozen",
+    "locate_stripe",
+    "observe_target",
     "read_only",
     "pixel_grid",
     "sheet_difference_mm",

@@ -199,11 +199,11 @@ def _checked(
     """Keep what one homography explains, and add the points that it predicts."""
     if len(found) < 6:
         return None
-    node = np.array(list(found), dtype=np.int64)
+    node = _unsheared(np.array(list(found), dtype=np.int64))
     index = np.array(list(found.values()), dtype=np.int64)
     if np.linalg.matrix_rank(node - node[0]) < 2:
         return None
-    pitch = _pitch_px(points_px, found)
+    pitch = _pitch_px(points_px, dict(zip(map(tuple, node.tolist()), index.tolist(), strict=True)))
     homography, agree = cv2.findHomography(
         node.astype(np.float64), points_px[index], cv2.RANSAC, _NEAR_HOMOGRAPHY * pitch
     )
@@ -211,6 +211,26 @@ def _checked(
         return None
     kept = Lattice(node[agree.ravel() > 0], index[agree.ravel() > 0], homography)
     return _with_predicted(points_px, size_px, kept, pitch)
+
+
+def _unsheared(node: IntArray) -> IntArray:
+    """Return lattice coordinates in the basis that makes the box around them smallest.
+
+    Seen at an angle, a diagonal may look like the step to a neighbour. The points of a target
+    fill a box in their own basis alone.
+    """
+    shears = [np.array([[1, k], [0, 1]]) for k in (-1, 1)]
+    shears += [shear.T for shear in shears]
+    while True:
+        options = [node @ shear for shear in shears]
+        smallest = min(options, key=_box_size)
+        if _box_size(smallest) >= _box_size(node):
+            return node
+        node = smallest
+
+
+def _box_size(node: IntArray) -> int:
+    return int(np.prod(np.ptp(node, axis=0) + 1))
 
 
 def _pitch_px(points_px: FloatArray, found: dict[Node, int]) -> float:

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from calib import (
-    Calibration,
     CalibError,
+    Calibration,
     LaserSensor,
     Method,
     Picture,

@@ -71,7 +71,7 @@ def text_of(document: MeasurementDocument) -> str:
 
 
 def _line(wheel: WheelDocument) -> str:
-    where = f"{wheel.source} frame {wheel.frame}"
+    where = wheel.source if wheel.frame is None else f"{wheel.source} frame {wheel.frame}"
     if wheel.reason is not None:
         return f"{where}: not measured: {wheel.reason}"
     shown = (f"{name.value} {_shown(wheel.readings[name])}" for name in _SHOWN)

@@ -16,6 +16,7 @@ from station.documents.measurement import (
     ProfileDocument,
     ReadingDocument,
     WheelDocument,
+    wheel_document,
 )
 from station.documents.points import POINT_COLUMNS, points_csv, views_from_points
 
@@ -35,5 +36,6 @@ __all__ = [
     "WheelDocument",
     "points_csv",
     "views_from_points",
+    "wheel_document",
     "write_whole",
 ]

@@ -1,10 +1,11 @@
 """results.json: the wheels of a measurement, one row a wheel, measured or not."""
 
+from datetime import datetime
 from typing import Any, Literal
 
 from pydantic import AwareDatetime, Field
 
-from measure import Alarm, Quantity, Status
+from measure import Alarm, Profile, Quantity, Status, WheelQuality, WheelReadings
 from station.documents.base import Document
 
 
@@ -57,6 +58,59 @@ class WheelDocument(Document):
         return {quantity: getattr(self, quantity.value) for quantity in Quantity}
 
 
+def wheel_document(
+    answer: WheelReadings,
+    *,
+    source: str,
+    sensor: str,
+    frame: int | None = None,
+    frames: tuple[int, ...] = (),
+    time: datetime | None = None,
+) -> WheelDocument:
+    """Return the row of a measured wheel, or of one that could not be measured."""
+    readings = {
+        quantity.value: ReadingDocument(
+            value=reading.value, u95=reading.u95, status=reading.status, alarm=reading.alarm
+        )
+        for quantity, reading in answer.readings.items()
+    }
+    return WheelDocument(
+        source=source,
+        sensor=sensor,
+        frame=frame,
+        frames=frames,
+        time=time,
+        profile=_profile(answer.profile),
+        quality=_quality(answer.quality),
+        reason=answer.reason,
+        **readings,
+    )
+
+
+def _profile(profile: Profile | None) -> ProfileDocument | None:
+    if profile is None:
+        return None
+    return ProfileDocument(
+        d_mm=tuple(profile.d_mm.tolist()),
+        h_mm=tuple(profile.h_mm.tolist()),
+        sigma_mm=tuple(profile.sigma_mm.tolist()),
+    )
+
+
+def _quality(quality: WheelQuality) -> dict[str, object]:
+    return {
+        "points": quality.points,
+        "left_out": {cause.value: count for cause, count in quality.left_out.items()},
+        "coverage": quality.coverage,
+        "noise_factor": quality.noise_factor,
+        "frames_used": list(quality.frames),
+        "axle_offset_mm": quality.axle_offset_mm,
+        "sheet_yaw_deg": quality.sheet_yaw_deg,
+        "wear_max_at_d_mm": quality.wear_max_at_d_mm,
+        "unmeasured": {str(frame): reason for frame, reason in quality.unmeasured.items()},
+    }
+
+
 class MeasurementDocument(Document):
     """One measurement of one or more sources with one calibration."""
 
@@ -64,8 +118,8 @@ class MeasurementDocument(Document):
     version: Literal[1] = 1
     created: AwareDatetime
     software: str
-    calibration: str
-    """SHA-256 of the calibration that was used."""
+    calibration: str | None
+    """Fingerprint of the calibration that was used; null where profiles were given."""
     reference: str
     wheels: tuple[WheelDocument, ...]
 

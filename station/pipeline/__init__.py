@@ -6,7 +6,7 @@ from station.pipeline.frames import Frame, read_frames
 from station.pipeline.intrinsics import calibrate_camera_from_sources
 from station.pipeline.measure import measure_sources
 from station.pipeline.observe import Observations, observe_sources
-from station.pipeline.references import load_reference
+from station.pipeline.references import load_reference, read_profile
 
 __all__ = [
     "CalibrationOutcome",
@@ -19,4 +19,5 @@ __all__ = [
     "measure_sources",
     "observe_sources",
     "read_frames",
+    "read_profile",
 ]

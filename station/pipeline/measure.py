@@ -9,16 +9,14 @@ from measure import (
     Mounting,
     ReferenceProfile,
     WheelFrame,
-    WheelReadings,
     group_into_wheels,
     measure_wheel,
 )
 from station.documents import (
     CalibrationDocument,
     MeasurementDocument,
-    ProfileDocument,
-    ReadingDocument,
     WheelDocument,
+    wheel_document,
 )
 from station.errors import InputUnusable
 from station.pipeline.cores import map_on_all_cores
@@ -60,7 +58,7 @@ def measure_sources(
         reference=profile.name,
         wheels=tuple(
             _measure(wheel, sensor, profile, mounting, calibration.sensor)
-            for wheel in _wheels(list(frames))
+            for wheel in group_into_wheels(list(frames))
         ),
     )
 
@@ -107,18 +105,6 @@ def _check(frame: Frame, sensor: LaserSensor, sensor_id: str) -> None:
         )
 
 
-def _wheels(frames: Sequence[WheelFrame]) -> Iterator[Sequence[WheelFrame]]:
-    """Group what was recorded with its time by source; pictures are a wheel each."""
-    by_source: dict[str, list[WheelFrame]] = {}
-    for frame in frames:
-        by_source.setdefault(frame.source, []).append(frame)
-    for group in by_source.values():
-        if all(frame.time_ns is not None for frame in group):
-            yield from group_into_wheels(group)
-        else:
-            yield from ([frame] for frame in group)
-
-
 def _measure(
     frames: Sequence[WheelFrame],
     sensor: LaserSensor,
@@ -129,51 +115,15 @@ def _measure(
     answer = measure_wheel(frames, sensor, reference, mounting=mounting)
     best = answer.quality.best_frame
     chosen = next((frame for frame in frames if frame.frame == best), frames[0])
-    return WheelDocument(
+    return wheel_document(
+        answer,
         source=chosen.source,
         sensor=sensor_id,
         frame=chosen.frame,
         frames=tuple(frame.frame for frame in frames),
         time=_utc(chosen.time_ns),
-        profile=_profile(answer),
-        quality=_quality(answer),
-        reason=answer.reason,
-        **{
-            quantity.value: ReadingDocument(
-                value=reading.value,
-                u95=reading.u95,
-                status=reading.status,
-                alarm=reading.alarm,
-            )
-            for quantity, reading in answer.readings.items()
-        },
     )
 
 
 def _utc(time_ns: int | None) -> datetime | None:
     return None if time_ns is None else datetime.fromtimestamp(time_ns / 1e9, UTC)
-
-
-def _profile(answer: WheelReadings) -> ProfileDocument | None:
-    if answer.profile is None:
-        return None
-    return ProfileDocument(
-        d_mm=tuple(answer.profile.d_mm.tolist()),
-        h_mm=tuple(answer.profile.h_mm.tolist()),
-        sigma_mm=tuple(answer.profile.sigma_mm.tolist()),
-    )
-
-
-def _quality(answer: WheelReadings) -> dict[str, object]:
-    quality = answer.quality
-    return {
-        "points": quality.points,
-        "left_out": {cause.value: count for cause, count in quality.left_out.items()},
-        "coverage": quality.coverage,
-        "noise_factor": quality.noise_factor,
-        "frames_used": list(quality.frames),
-        "axle_offset_mm": quality.axle_offset_mm,
-        "sheet_yaw_deg": quality.sheet_yaw_deg,
-        "wear_max_at_d_mm": quality.wear_max_at_d_mm,
-        "unmeasured": {str(frame): reason for frame, reason in quality.unmeasured.items()},
-    }

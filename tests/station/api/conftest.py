@@ -1,5 +1,6 @@
 """The real API, on a real store and socket; camera and worker are doubles of their clients."""
 
+import shutil
 import socket
 import threading
 from dataclasses import dataclass, field
@@ -95,7 +96,7 @@ class FakeQueue:
 class Served:
     """A station whose API is served, and what is needed to play with it."""
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, empty_store: Path) -> None:
         self.settings = StationSettings(
             data_dir=root,
             sensors=[
@@ -104,7 +105,7 @@ class Served:
             ],
         )
         self.layout = DataLayout(root)
-        migrate(self.layout.store_url)
+        shutil.copy(empty_store, root / "station.sqlite")
         self.store = Store.open(self.layout.store_url)
         self.captures = {"left": FakeCapture(), "right": FakeCapture()}
         self.queue = FakeQueue()
@@ -153,9 +154,16 @@ def _plain_logs():
     log_as("test")
 
 
+@pytest.fixture(scope="session")
+def empty_store(tmp_path_factory):
+    root = tmp_path_factory.mktemp("empty")
+    migrate(DataLayout(root).store_url)
+    return root / "station.sqlite"
+
+
 @pytest.fixture
-def served(tmp_path):
-    served = Served(tmp_path)
+def served(tmp_path, empty_store):
+    served = Served(tmp_path, empty_store)
     yield served
     served.close()
 
