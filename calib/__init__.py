@@ -32,7 +32,7 @@ from calib.observe import observe_target
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
 from calib.sensor import SENSOR_PARAMETERS, LaserSensor
-from calib.stripe import locate_stripe
+from calib.stripe import kernel_of, locate_stripe
 from calib.target import Target
 from calib.views import Cause, StripePoints, TargetPoints, View
 
@@ -72,6 +72,7 @@ __all__ = [
     "calibrate",
     "calibrate_camera",
     "frozen",
+    "kernel_of",
     "locate_stripe",
     "observe_target",
     "read_only",

@@ -85,7 +85,7 @@ class CornerPattern:
             return None
         place = numbering.rows_and_cols(node)
         keep = keep & inside_target(place, target.rows, target.cols)
-        homography, agree = agreeing(place[keep], corners.centre_px[keep])
+        homography, agree = agreeing(place[keep], corners.centre_px[keep], corners.sigma_px[keep])
         index = np.flatnonzero(keep)[agree]
         return SeenTarget(
             place[index],
@@ -189,8 +189,8 @@ def measure_corners(
         band |= line.lights_up(patches.places_px(), _STRIPE_FOOT * contrast)
     seen = patches.without(band)
     first = saddle.start(centre, origin, edges, _START_BLUR_PX)
-    fit = fit_patches(seen, first, saddle.evaluate, saddle.sound, iterations=20)
-    spread = spread_over_scales(picture, seen, fit, saddle.evaluate, saddle.sound, saddle.BLUR)
+    fit = fit_patches(seen, first, saddle.evaluate, saddle.sound)
+    spread = spread_over_scales(picture, seen, fit, saddle.evaluate, saddle.BLUR)
     by_noise = np.sqrt(np.einsum("nii->ni", fit.covariance))
     hidden = band.mean(axis=1)
     clipped = patches.clipped.mean(axis=1)

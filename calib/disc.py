@@ -1,5 +1,7 @@
 """The picture of a disc: an ellipse with a blurred edge, on a sloping ground, clipped."""
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.special import ndtr
 
@@ -14,6 +16,7 @@ HEIGHT, HEIGHT_U, HEIGHT_V = 9, 10, 11
 COUNT = 12
 """The place of each parameter; see `evaluate`."""
 
+_ROOT_TWO_PI = float(np.sqrt(2.0 * np.pi))
 _NARROWEST_BLUR_PX, _WIDEST_BLUR_PX = 0.3, 8.0
 
 
@@ -37,7 +40,7 @@ def outlines(parameters: FloatArray, origin: FloatArray) -> Ellipses:
 
 def inward_px(parameters: FloatArray, offset_px: FloatArray) -> FloatArray:
     """Return how far points, shape (K, 2), lie inside each outline, px to first order, (N, K)."""
-    return _inward(parameters, offset_px)[0]
+    return _inward(parameters, offset_px).distance
 
 
 def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -62,20 +65,20 @@ def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray,
     order, Phi the normal distribution: the edge of a half-plane seen by a Gaussian lens. The
     derivatives by centre and form hold near the outline, where alone they are not zero.
     """
-    s, pull_u, pull_v, x, y = _inward(parameters, offset_px)
+    place = _inward(parameters, offset_px)
+    s, x, y = place.distance, place.x, place.y
     blur = parameters[:, BLUR, None]
-    u, v = offset_px.T
-    linear = np.stack([np.ones_like(u), u, v])
+    linear = np.stack([np.ones(len(offset_px), dtype=parameters.dtype), *offset_px.T])
     inside = ndtr(s / blur)
     height = parameters[:, HEIGHT:] @ linear
-    edge = height * np.exp(-0.5 * (s / blur) ** 2) / (np.sqrt(2.0 * np.pi) * blur)
-    jacobian = np.empty((len(parameters), COUNT, len(u)))
-    jacobian[:, U], jacobian[:, V] = edge * pull_u, edge * pull_v
+    edge = height * np.exp(-0.5 * (s / blur) ** 2) / (np.float32(_ROOT_TWO_PI) * blur)
+    jacobian = np.empty((len(parameters), COUNT, len(offset_px)), dtype=parameters.dtype)
+    per_length = edge / place.length
+    jacobian[:, U], jacobian[:, V] = per_length * place.qx, per_length * place.qy
     # The gradient of the level is (Q d) / level: half of what the form's entries need.
-    per_form = -0.5 * edge / np.maximum(_steepness(parameters, x, y), 1e-9)
-    jacobian[:, Q11] = per_form * x * x
-    jacobian[:, Q12] = 2.0 * per_form * x * y
-    jacobian[:, Q22] = per_form * y * y
+    jacobian[:, Q11] = -0.5 * per_length * x * x
+    jacobian[:, Q12] = -per_length * x * y
+    jacobian[:, Q22] = -0.5 * per_length * y * y
     jacobian[:, BLUR] = -edge * s / blur
     jacobian[:, GROUND:HEIGHT] = linear
     jacobian[:, HEIGHT:] = inside[:, None, :] * linear
@@ -100,18 +103,22 @@ def sound(parameters: FloatArray, before: FloatArray) -> FloatArray:
     return now
 
 
-def _inward(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray, ...]:
-    """Return distance inwards, its derivatives by the centre, and places from the centre."""
+class _Place(NamedTuple):
+    """Places seen from each ellipse, all of shape (N, K)."""
+
+    x: FloatArray  # from the centre
+    y: FloatArray
+    qx: FloatArray  # the form's matrix times (x, y), which points outwards
+    qy: FloatArray
+    length: FloatArray  # of (qx, qy)
+    distance: FloatArray  # inwards from the outline
+
+
+def _inward(parameters: FloatArray, offset_px: FloatArray) -> _Place:
     x = offset_px[:, 0] - parameters[:, U, None]
     y = offset_px[:, 1] - parameters[:, V, None]
     q11, q12, q22 = (parameters[:, i, None] for i in (Q11, Q12, Q22))
-    gu, gv = q11 * x + q12 * y, q12 * x + q22 * y
-    level = np.sqrt(np.maximum(gu * x + gv * y, 1e-12))
-    length = np.maximum(np.hypot(gu, gv), 1e-12)
-    return (1.0 - level) * level / length, gu / length, gv / length, x, y
-
-
-def _steepness(parameters: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return |Q d|, which is level times the level's gradient."""
-    q11, q12, q22 = (parameters[:, i, None] for i in (Q11, Q12, Q22))
-    return np.hypot(q11 * x + q12 * y, q12 * x + q22 * y)
+    qx, qy = q11 * x + q12 * y, q12 * x + q22 * y
+    level = np.sqrt(np.maximum(qx * x + qy * y, 1e-9))
+    length = np.maximum(np.sqrt(qx * qx + qy * qy), 1e-9)
+    return _Place(x, y, qx, qy, length, (1.0 - level) * level / length)

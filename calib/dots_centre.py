@@ -9,10 +9,10 @@ from calib import disc
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.ellipse import Ellipses
 from calib.noise import PixelNoise
-from calib.patch_fit import Patches, PatchFit, fit_patches, spread_over_scales
+from calib.patch_fit import Patches, PatchFit, fit_patches, masked_median, spread_over_scales
 from calib.stripe_lines import StripeLine
 
-_EDGE_REACH_PX = 5.0
+_EDGE_REACH_PX = 4.5
 _START_BLUR_PX = 1.5
 _STRIPE_FOOT = 0.04  # of a dot's height: what of a stripe does not disturb its edge
 
@@ -83,7 +83,7 @@ def measure_dots(
 
     Notes
     -----
-    Only pixels within 5 px of the outline are used: the flat rest tells nothing of the centre.
+    Only pixels within 4.5 px of the outline are used: the flat rest tells nothing of the centre.
     Sigma is the larger of what noise and scatter give by the fit, and of the spread of the
     centre over Gaussian kernels [1]_, which shows what a disc's model does not explain: a
     neighbour's light, a reflection's border.
@@ -104,7 +104,7 @@ def measure_dots(
         band |= line.lights_up(patches.places_px(), _STRIPE_FOOT * np.abs(first[:, disc.HEIGHT]))
     seen = patches.without(band)
     fit = fit_patches(seen, first, disc.evaluate, disc.sound)
-    spread = spread_over_scales(picture, seen, fit, disc.evaluate, disc.sound, disc.BLUR)
+    spread = spread_over_scales(picture, seen, fit, disc.evaluate, disc.BLUR)
     by_noise = np.sqrt(np.einsum("nii->ni", fit.covariance))
     edge = ring & (np.abs(disc.inward_px(first, offset.astype(np.float64))) < 2.5)
     sign = -1.0 if dark else 1.0
@@ -139,8 +139,7 @@ def _set_brightness(first: FloatArray, patches: Patches, offset: IntArray) -> No
     inward = disc.inward_px(first, offset.astype(np.float64))
     used = patches.weight > 0.0
     for column, side in ((disc.GROUND, inward < -2.0), (disc.HEIGHT, inward > 2.0)):
-        masked = np.ma.masked_array(patches.samples, ~(used & side))
-        first[:, column] = np.ma.median(masked, axis=1).filled(0.0)
+        first[:, column] = masked_median(patches.samples, used & side)
     first[:, disc.HEIGHT] -= first[:, disc.GROUND]
 
 

@@ -12,7 +12,8 @@ SMALLEST_RADIUS_PX, LARGEST_RADIUS_PX = 4.0, 45.0
 
 _SHRINK = 4
 _RADII_PX = (5.5, 7.5, 10.5, 15.0, 21.0, 29.0, 40.0)
-_MOST_SPOTS = 700
+_MOST_SPOTS = 500
+_CELL_PX = 8.0
 _RAYS = 32
 _SAMPLES = 26
 _REACH = (0.25, 1.9)  # where along a ray the outline is looked for, in expected radii
@@ -74,8 +75,12 @@ def _spots(bright: Picture, noise: PixelNoise) -> tuple[FloatArray, FloatArray]:
         places.append(shrink * np.column_stack([u, v]) + 0.5 * (shrink - 1))
         radii.append(np.full(u.size, radius))
         responses.append(response[v, u])
-    strongest = np.argsort(-np.concatenate(responses), kind="stable")[:_MOST_SPOTS]
-    return np.concatenate(places)[strongest], np.concatenate(radii)[strongest]
+    strongest = np.argsort(-np.concatenate(responses), kind="stable")
+    place, size = np.concatenate(places)[strongest], np.concatenate(radii)[strongest]
+    # Of those in one small cell the strongest has the scale that suits.
+    cell = np.rint(place / _CELL_PX).astype(np.int64)
+    first = np.sort(np.unique(cell[:, 0] * 100_000 + cell[:, 1], return_index=True)[1])
+    return place[first[:_MOST_SPOTS]], size[first[:_MOST_SPOTS]]
 
 
 def _spot_response(small: Float32Array, sigma: float) -> Float32Array:
@@ -143,12 +148,10 @@ def _steepest_fall(
 
 def _without_doubles(dots: Ellipses) -> Ellipses:
     """Keep the first of outlines that lie on one another."""
-    if len(dots) == 0:
-        return dots
     distance = np.linalg.norm(dots.centre_px[:, None] - dots.centre_px[None], axis=2)
-    close: BoolArray = distance < 0.8 * np.minimum(dots.radius_px[:, None], dots.radius_px[None])
-    earlier = np.tril(close, -1)
+    radius = dots.radius_px
+    close: BoolArray = distance < 0.8 * np.minimum(radius[:, None], radius)
     keep = np.ones(len(dots), dtype=bool)
-    for i in range(len(dots)):
-        keep[i] = not (earlier[i] & keep).any()
+    for i in range(1, len(dots)):
+        keep[i] = not (close[i, :i] & keep[:i]).any()
     return dots.picked(keep)

@@ -13,8 +13,10 @@ Node = tuple[int, int]
 _NEAR_PREDICTION = 0.22  # of the step to a neighbour
 _NEAR_HOMOGRAPHY = 0.18
 _MOST_SEEDS = 60
-_OFF_GRID_PX = 2.0
-_OFF_GRID_PITCHES = 0.05
+_FARTHEST_OFF_PX = 8.0
+_NEAREST_OFF_PX = 0.05
+_FAR_OFF_PX = 0.3
+_FAR_OFF_SIGMAS = 5.0
 _SIZE_RATIO = 1.7
 _STEPS: tuple[Node, ...] = ((0, 1), (1, 0), (0, -1), (-1, 0))
 
@@ -370,17 +372,40 @@ def inside_target(place: IntArray, rows: int, cols: int) -> BoolArray:
     return np.asarray(((place >= 0) & (place < [rows, cols])).all(axis=1))
 
 
-def agreeing(place: IntArray, centre_px: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Fit the map from (row, col) to the picture; return it and which points agree with it.
+def agreeing(
+    place: IntArray, centre_px: FloatArray, sigma_px: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Fit the map from (row, col) to the picture, and tell which points agree with it.
 
-    Distortion bends a target by up to a pixel or two; more is a point that is no point.
+    Parameters
+    ----------
+    place
+        Shape (N, 2), (row, col).
+    centre_px, sigma_px
+        Shape (N, 2).
+
+    Returns
+    -------
+    homography
+        Shape (3, 3).
+    agree
+        Shape (N,). A lens bends a target by up to some pixels: smoothly, as a polynomial of the
+        third degree follows. What is off by more than that is no point of the target, or one
+        that light has displaced by more than its sigma.
     """
-    steps = np.linalg.norm(centre_px[:, None] - centre_px[None], axis=2)
-    np.fill_diagonal(steps, np.inf)
-    limit = max(_OFF_GRID_PX, _OFF_GRID_PITCHES * float(np.median(steps.min(axis=1))))
-    homography, agree = cv2.findHomography(
-        place.astype(np.float64), centre_px, cv2.RANSAC, limit
+    homography, near = cv2.findHomography(
+        place.astype(np.float64), centre_px, cv2.RANSAC, _FARTHEST_OFF_PX
     )
     if homography is None:
         raise AssertionError("points that were numbered by a homography have one")
-    return homography, np.flatnonzero(agree)
+    agree = near.ravel() > 0
+    off = centre_px - apply_homography(homography, place.astype(np.float64))
+    x, y = ((place - place.mean(axis=0)) / max(float(np.ptp(place)), 1.0)).T
+    bend = np.stack([x**i * y**j for i in range(4) for j in range(4 - i)], axis=1)
+    weight = agree / np.maximum(sigma_px.max(axis=1), _NEAREST_OFF_PX)
+    for _ in range(6):
+        shape = np.linalg.lstsq(bend * weight[:, None], off * weight[:, None])[0]
+        rest = np.linalg.norm(off - bend @ shape, axis=1)
+        limit = np.maximum(_NEAREST_OFF_PX, 3.0 * sigma_px.max(axis=1))
+        weight = agree / limit / (1.0 + (rest / limit) ** 2)
+    return homography, agree & (rest <= np.maximum(_FAR_OFF_PX, _FAR_OFF_SIGMAS * sigma_px.max(1)))

@@ -11,6 +11,7 @@ SATURATED_FROM = 250
 """Counts from which a pixel is taken as clipped: below 255, for resampling mixes neighbours."""
 
 _ROW_STEP = 8
+_LARGEST_MASK = 511
 _BIN_WIDTH = 32
 _FEWEST_IN_BIN = 250
 _MASK_NORM = 6.0  # root of the summed squares of [1, -2, 1] x [1, -2, 1]
@@ -91,18 +92,17 @@ def _variance_by_brightness(picture: Picture) -> tuple[FloatArray, FloatArray, F
         for start in range(3)
     )
     bend = top - 2 * middle + bottom
-    mask = np.abs(bend[:, :-2] - 2 * bend[:, 1:-1] + bend[:, 2:])
-    level = (middle[:, :-2] + middle[:, 1:-1] + middle[:, 2:]) // 3
-    usable = (level > 1) & (level < SATURATED_FROM - 10)
-    bins = 256 // _BIN_WIDTH
-    size = 1024
-    level, mask = level[usable], mask[usable]
-    bin_of = level.astype(np.intp) // _BIN_WIDTH
-    index = bin_of * size + np.minimum(mask, size - 1)
-    table = np.bincount(index, minlength=bins * size).reshape(bins, size)
+    mask = np.minimum(np.abs(bend[:, :-2] - 2 * bend[:, 1:-1] + bend[:, 2:]), _LARGEST_MASK)
+    level = (middle[:, :-2] + 2 * middle[:, 1:-1] + middle[:, 2:]) >> 2
+    size = _LARGEST_MASK + 1
+    joint = np.bincount((level.astype(np.int32) * size + mask).ravel(), minlength=256 * size)
+    joint = joint.reshape(256, size)
+    joint[:2], joint[SATURATED_FROM - 10 :] = 0, 0  # black and clipped pixels show less noise
+    table = joint.reshape(-1, _BIN_WIDTH, size).sum(axis=1)
     count = table.sum(axis=1)
+    total = (joint.sum(axis=1) * np.arange(256)).reshape(-1, _BIN_WIDTH).sum(axis=1)
     enough = np.flatnonzero(count >= _FEWEST_IN_BIN)
-    brightness = np.bincount(bin_of, weights=level, minlength=bins)[enough] / count[enough]
+    brightness = total[enough] / count[enough]
     median = np.array([_median_of_counts(table[i]) for i in enough])
     sigma = median / (_MEDIAN_OF_HALF_NORMAL * _MASK_NORM)
     return brightness, sigma**2, count[enough].astype(np.float64)

@@ -10,7 +10,9 @@ from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import SATURATED_FROM, PixelNoise
 
 Evaluate = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
-"""(parameters (N, P), places (K, 2)) -> brightness (N, K), derivatives (N, P, K)"""
+"""(parameters (N, P), places (K, 2)) -> brightness (N, K), derivatives (N, P, K)
+
+It computes in the precision of its parameters; single is enough for a step and twice as fast."""
 Sound = Callable[[FloatArray, FloatArray], FloatArray]
 """(parameters after a step, before) -> parameters that make sense"""
 
@@ -19,6 +21,8 @@ SCALES_PX = (1.0, 2.0)
 
 _TOLERANCE_PX = 2e-4
 _DAMPING = 1e-3
+_MOST_STEPS = 14
+_STEPS_BEFORE_ROBUST = 2
 _CLEAN_SIGMAS = 3.0
 
 
@@ -66,13 +70,14 @@ class Patches:
         height, width = picture.shape
         inside = (u >= 0) & (v >= 0) & (u < width) & (v < height)
         u, v = np.clip(u, 0, width - 1), np.clip(v, 0, height - 1)
-        samples = picture[v, u].astype(np.float64)
-        weight = (use & inside) / noise.variance(smooth[v, u].astype(np.float64))
+        samples = picture[v, u].astype(np.float32)
+        variance = noise.variance(np.arange(256.0)).astype(np.float32)
+        weight = np.where(use & inside, 1.0 / variance[smooth[v, u]], np.float32(0.0))
         return cls(origin, offset, samples, weight, samples >= SATURATED_FROM)
 
     def without(self, hidden: BoolArray) -> "Patches":
         """Return the same with the pixels of a mask, shape (N, K), not used."""
-        return replace(self, weight=np.where(hidden, 0.0, self.weight))
+        return replace(self, weight=np.where(hidden, np.float32(0.0), self.weight))
 
     def places_px(self) -> FloatArray:
         """Return where the pixels are in the picture, shape (N, K, 2)."""
@@ -82,7 +87,7 @@ class Patches:
         """Return the same pixels of another picture, shape (N, K)."""
         u = np.clip(self.origin[:, 0, None] + self.offset[:, 0], 0, other.shape[1] - 1)
         v = np.clip(self.origin[:, 1, None] + self.offset[:, 1], 0, other.shape[0] - 1)
-        return other[v, u].astype(np.float64)
+        return other[v, u].astype(np.float32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,8 +117,6 @@ def fit_patches(
     parameters: FloatArray,
     evaluate: Evaluate,
     sound: Sound,
-    *,
-    iterations: int = 12,
 ) -> PatchFit:
     """Fit a model to every window by damped Gauss-Newton steps, robustly.
 
@@ -125,8 +128,11 @@ def fit_patches(
         Shape (N, P), the start. The first two are the centre.
     evaluate, sound
         The model.
-    iterations
-        The most steps taken.
+
+    Returns
+    -------
+    PatchFit
+        The last parameters, converged or not.
 
     Notes
     -----
@@ -136,94 +142,92 @@ def fit_patches(
     """
     parameters = parameters.copy()
     count = len(parameters)
-    converged = np.zeros(count, dtype=bool)
-    robust = np.ones_like(patches.weight)
-    for iteration in range(iterations):
+    normal = np.zeros((count, parameters.shape[1], parameters.shape[1]))
+    scatter, converged = np.ones(count), np.zeros(count, dtype=bool)
+    for iteration in range(_MOST_STEPS):
         todo = np.flatnonzero(~converged)
         if todo.size == 0:
             break
-        part = _rows(patches, todo)
-        model, jacobian = evaluate(parameters[todo], patches.offset.astype(np.float64))
-        residual, weight = _pull(part, model)
-        if iteration >= 3:
-            robust[todo] = _robust_weight(residual, weight)
-        step = _step(jacobian, residual, weight * robust[todo])
+        residual, weight, jacobian = _seen(patches, parameters, evaluate, todo)
+        scatter[todo] = _scatter(residual, weight)
+        if iteration >= _STEPS_BEFORE_ROBUST:
+            weight = weight * _robust(residual, weight, scatter[todo])
+        normal[todo] = _normal(jacobian, weight)
+        step = _step(normal[todo], jacobian, weight * residual)
         after = sound(parameters[todo] + step, parameters[todo])
         moved = np.abs(after - parameters[todo])[:, :2].max(axis=1)
         parameters[todo] = after
-        converged[todo] = (moved < _TOLERANCE_PX) & (iteration >= 4)
-    model, jacobian = evaluate(parameters, patches.offset.astype(np.float64))
-    residual, weight = _pull(patches, model)
-    scatter = _scatter(residual, weight)
-    normal = _normal(jacobian, weight * robust)
+        converged[todo] = (moved < _TOLERANCE_PX) & (iteration > _STEPS_BEFORE_ROBUST)
     covariance = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)[:, :2, :2]
     covariance = covariance * np.maximum(scatter, 1.0)[:, None, None] ** 2
     return PatchFit(parameters, covariance, scatter, converged)
 
 
 def spread_over_scales(
-    picture: Picture,
-    patches: Patches,
-    fit: PatchFit,
-    evaluate: Evaluate,
-    sound: Sound,
-    blur: int,
+    picture: Picture, patches: Patches, fit: PatchFit, evaluate: Evaluate, blur: int
 ) -> FloatArray:
     """Return the standard deviation of the centre over Gaussian kernels, shape (N, 2), px.
 
-    `blur` is the place of the parameter that a kernel widens.
+    From the fit one step is taken in the picture smoothed by each kernel. `blur` is the place
+    of the parameter that a kernel widens.
     """
-    centres = [fit.parameters[:, :2]]
+    everything = np.arange(len(fit.parameters))
+    moves = [np.zeros((everything.size, 2))]
     for scale in SCALES_PX:
         smoothed = np.asarray(cv2.GaussianBlur(picture, (0, 0), scale), dtype=np.uint8)
         start = fit.parameters.copy()
         start[:, blur] = np.hypot(start[:, blur], scale)
-        again = fit_patches(
-            replace(patches, samples=patches.of(smoothed)), start, evaluate, sound, iterations=2
+        residual, weight, jacobian = _seen(
+            replace(patches, samples=patches.of(smoothed)), start, evaluate, everything
         )
-        centres.append(again.parameters[:, :2])
-    return np.asarray(np.std(centres, axis=0))
+        weight = weight * _robust(residual, weight, _scatter(residual, weight))
+        moves.append(_step(_normal(jacobian, weight), jacobian, weight * residual)[:, :2])
+    return np.asarray(np.std(moves, axis=0))
 
 
-def _rows(patches: Patches, index: IntArray) -> Patches:
-    return Patches(
-        patches.origin[index],
-        patches.offset,
-        patches.samples[index],
-        patches.weight[index],
-        patches.clipped[index],
+def masked_median(values: FloatArray, use: BoolArray) -> FloatArray:
+    """Return the median of each row, shape (N,), over the entries used; 0 where none is."""
+    ordered = np.sort(np.where(use, values, np.inf), axis=1)
+    count = use.sum(axis=1)
+    middle = ordered[np.arange(len(values)), np.maximum(count - 1, 0) // 2]
+    return np.where(count > 0, middle, 0.0)
+
+
+def _seen(
+    patches: Patches, parameters: FloatArray, evaluate: Evaluate, index: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return residuals, weights of those that count, and derivatives, of some windows."""
+    model, jacobian = evaluate(
+        parameters[index].astype(np.float32), patches.offset.astype(np.float32)
     )
-
-
-def _pull(patches: Patches, model: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return residuals and the weights of those that count."""
-    above = patches.clipped & (model >= patches.samples)
-    return patches.samples - model, np.where(above, 0.0, patches.weight)
+    samples, weight = patches.samples[index], patches.weight[index]
+    above = patches.clipped[index] & (model >= samples)
+    return samples - model, np.where(above, np.float32(0.0), weight), jacobian
 
 
 def _normal(jacobian: FloatArray, weight: FloatArray) -> FloatArray:
-    return (jacobian * weight[:, None, :]) @ jacobian.transpose(0, 2, 1)
+    product = (jacobian * weight[:, None, :]) @ jacobian.transpose(0, 2, 1)
+    return product.astype(np.float64)
 
 
-def _step(jacobian: FloatArray, residual: FloatArray, weight: FloatArray) -> FloatArray:
+def _step(normal: FloatArray, jacobian: FloatArray, pull: FloatArray) -> FloatArray:
     """Return a step of Gauss-Newton, damped in each parameter's own scale."""
-    normal = _normal(jacobian, weight)
-    gradient = jacobian @ (weight * residual)[:, :, None]
+    gradient = (jacobian @ pull[:, :, None]).astype(np.float64)
     size = np.sqrt(np.maximum(np.einsum("nii->ni", normal), 1e-30))
     scaled = normal / (size[:, :, None] * size[:, None, :]) + _DAMPING * np.eye(size.shape[1])
     return np.asarray(np.linalg.solve(scaled, gradient / size[:, :, None])[:, :, 0] / size)
 
 
 def _scatter(residual: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return the robust rms of whitened residuals over the pixels used."""
-    used = weight > 0.0
-    size = np.where(used, np.abs(residual) * np.sqrt(weight), np.nan)
-    none = ~used.any(axis=1)
-    size[none] = 1.0
-    return np.asarray(np.nanmedian(size, axis=1) / 0.6745)
+    """Return the robust rms of whitened residuals, shape (N,), from every third pixel."""
+    part = np.s_[:, ::3]
+    size = np.abs(residual[part]) * np.sqrt(weight[part])
+    median = masked_median(size, weight[part] > 0.0)
+    return np.where(median > 0.0, median / 0.6745, 1.0)
 
 
-def _robust_weight(residual: FloatArray, weight: FloatArray) -> FloatArray:
-    scale = _CLEAN_SIGMAS * np.maximum(_scatter(residual, weight), 1.0)[:, None]
-    square = (residual**2 * weight) / scale**2
-    return np.asarray(1.0 / (1.0 + np.maximum(square - 1.0, 0.0)) ** 2)
+def _robust(residual: FloatArray, weight: FloatArray, scatter: FloatArray) -> FloatArray:
+    """Return weights that let go of what is farther off than a few times the scatter."""
+    scale = (_CLEAN_SIGMAS * np.maximum(scatter, 1.0))[:, None]
+    square = residual**2 * weight / (scale**2).astype(np.float32)
+    return np.asarray(1.0 / (1.0 + np.maximum(square - 1.0, 0.0)) ** 2, dtype=np.float32)

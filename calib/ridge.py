@@ -16,6 +16,9 @@ from calib.arrays import BoolArray, FloatArray, IntArray
 KERNEL_REACH = 3.6
 """Half-width of a kernel in sigmas; beyond it lies 0.03 % of a Gaussian."""
 
+FRACTIONS = 32
+"""Places between pixels are taken to 1/32 px; the step from there to the top makes up the rest."""
+
 Float32Array = NDArray[np.float32]
 
 
@@ -94,20 +97,6 @@ def gaussian_rows(sigma_px: float, shift_px: FloatArray) -> FloatArray:
     return np.stack([g, slope, bend], axis=1)
 
 
-@lru_cache(maxsize=32)
-def _plane_kernels(sigma_px: float) -> Float32Array:
-    """Return the five derivative kernels, shape (K * K, 5), for whole-pixel places."""
-    g, slope, bend = gaussian_rows(sigma_px, np.zeros(1))[0]
-    kernels = [
-        np.outer(g, slope),
-        np.outer(slope, g),
-        np.outer(g, bend),
-        np.outer(slope, slope),
-        np.outer(bend, g),
-    ]
-    return np.stack([k.ravel() for k in kernels], axis=1).astype(np.float32)
-
-
 def windows_at(picture: NDArray[np.generic], pixels: IntArray, radius: int) -> Float32Array:
     """Return the square windows, shape (N, K, K), about whole pixels (u, v) that are inside."""
     size = 2 * radius + 1
@@ -123,21 +112,32 @@ def inside(shape: tuple[int, ...], pixels: FloatArray | IntArray, margin: int) -
     )
 
 
-def ridge_in_windows(windows: Float32Array, sigma_px: float) -> Ridge:
-    """Return the ridge at the middle pixel of each window, shape (N, K, K)."""
-    flat = windows.reshape(len(windows), -1)
-    return Ridge.from_derivatives((flat @ _plane_kernels(sigma_px)).astype(np.float64))
+@lru_cache(maxsize=32)
+def _row_table(sigma_px: float) -> Float32Array:
+    """Return the 1-D kernels, shape (FRACTIONS + 1, 3, K), for places -0.5 to 0.5 px off."""
+    shift = np.arange(FRACTIONS + 1) / FRACTIONS - 0.5
+    return gaussian_rows(sigma_px, shift).astype(np.float32)
 
 
-def ridge_at_shift(windows: Float32Array, shift_px: FloatArray, sigma_px: float) -> Ridge:
-    """Return the ridge at places off the middle of each window by `shift_px`, shape (N, 2).
+def ridge_between_pixels(windows: Float32Array, fraction: IntArray, sigma_px: float) -> Ridge:
+    """Return the ridge at places off the middle of each window, shape (N, K, K).
 
     Equation 2 taken from a pixel half a pixel off the top errs by 0.125 / (σg² + σw²) px; taken
     once more where it points to, by nothing that matters.
+
+    Parameters
+    ----------
+    windows
+        Shape (N, K, K).
+    fraction
+        Shape (N, 2), the place (u, v) from the middle in steps of ``1 / FRACTIONS`` px, half a
+        pixel at most.
+    sigma_px
+        The kernel's width.
     """
-    rows_u = gaussian_rows(sigma_px, shift_px[:, 0]).astype(np.float32)
-    rows_v = gaussian_rows(sigma_px, shift_px[:, 1]).astype(np.float32)
-    table = rows_v @ windows @ rows_u.transpose(0, 2, 1)
+    table = _row_table(sigma_px)
+    rows_u, rows_v = (table[fraction[:, axis] + FRACTIONS // 2] for axis in (0, 1))
+    products = rows_v @ windows @ rows_u.transpose(0, 2, 1)
     picked = [(0, 1), (1, 0), (0, 2), (1, 1), (2, 0)]
-    derivatives = np.stack([table[:, i, j] for i, j in picked], axis=1)
+    derivatives = np.stack([products[:, i, j] for i, j in picked], axis=1)
     return Ridge.from_derivatives(derivatives.astype(np.float64))

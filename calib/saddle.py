@@ -58,13 +58,13 @@ def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray,
     u, v = offset_px.T
     x, y = u - parameters[:, U, None], v - parameters[:, V, None]
     blur, height = parameters[:, BLUR, None], parameters[:, HEIGHT, None]
-    jacobian = np.empty((len(parameters), COUNT, len(u)))
+    jacobian = np.empty((len(parameters), COUNT, len(u)), dtype=parameters.dtype)
     sides, slopes, normals = [], [], []
     for column in (ANGLE_1, ANGLE_2):
         cos, sin = np.cos(parameters[:, column, None]), np.sin(parameters[:, column, None])
         d = (x * cos + y * sin) / blur
         sides.append(2.0 * ndtr(d) - 1.0)
-        slopes.append(np.sqrt(2.0 / np.pi) * np.exp(-0.5 * d * d) / blur)
+        slopes.append(np.float32(np.sqrt(2.0 / np.pi)) * np.exp(-0.5 * d * d) / blur)
         normals.append((cos, sin, y * cos - x * sin, d))
     rise_1, rise_2 = height * slopes[0] * sides[1], height * sides[0] * slopes[1]
     (cos_1, sin_1, turn_1, d_1), (cos_2, sin_2, turn_2, d_2) = normals

@@ -23,6 +23,7 @@ _INDEPENDENT = 3.5  # kernels between two points whose errors are independent
 _FEWEST_POINTS = 8
 _FEWEST_TO_JUDGE = 12
 _SCATTER_NOTED = 1.15
+_FARTHEST_OFF = 4.0  # sigmas from the line
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,13 +139,9 @@ def stripe_of_board(found: BoardStripes, area: BoardArea) -> StripePoints | None
 
 
 def _near_dots(dots: Ellipses, points_px: FloatArray, reach: FloatArray) -> BoolArray:
-    near = np.zeros(len(points_px), dtype=bool)
-    for i, radius in enumerate(dots.radius_px):
-        offset = points_px - dots.centre_px[i]
-        close = np.flatnonzero(np.abs(offset).max(axis=1) < 3.0 * radius + 30.0)
-        level = dots.picked(np.array([i])).level(offset[None, close])[0]
-        near[close] |= (level - 1.0) * radius < reach[close]
-    return near
+    offset = points_px[None] - dots.centre_px[:, None]
+    beyond = (dots.level(offset) - 1.0) * dots.radius_px[:, None]
+    return np.asarray((beyond < reach).any(axis=0))
 
 
 def _independent(points: StripePoints, line: StripeLine) -> IntArray:
@@ -160,10 +157,11 @@ def _independent(points: StripePoints, line: StripeLine) -> IntArray:
 
 def _with_true_sigma(points: StripePoints, line: StripeLine, *, off_board: bool) -> StripePoints:
     scale = 1.0
+    off = line.across_px(points.centre_px) / points.sigma_px
     if len(points) >= _FEWEST_TO_JUDGE:
-        off = line.across_px(points.centre_px) / points.sigma_px
         scatter = float(np.median(np.abs(off - np.median(off)))) / 0.6745
         scale = scatter if scatter > _SCATTER_NOTED else 1.0
+    points = points.select(np.abs(off) <= _FARTHEST_OFF * scale)
     return StripePoints(
         centre_px=points.centre_px,
         normal=points.normal,

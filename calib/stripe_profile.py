@@ -9,7 +9,7 @@ from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import SATURATED_FROM
 from calib.ridge import Float32Array
 
-_ITERATIONS = 4
+_ITERATIONS = 3
 _MORE_IF_CLIPPED = 8
 _RESAMPLING_VARIANCE = 1.0 / 6.0  # px^2: what going between pixels adds to a profile's width
 _NARROWEST_PX, _WIDEST_PX = 0.4, 14.0

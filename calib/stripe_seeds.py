@@ -1,6 +1,7 @@
 """Where a stripe may be: ridges of the picture at a quarter and an eighth of its size."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -73,12 +74,8 @@ def find_seeds(
     min_length_px
         Shorter ridges are left out.
     """
-    height, width = (max(side // SHRINK, 1) for side in picture.shape)
-    cut = picture[: height * SHRINK, : width * SHRINK]
-    small = cv2.resize(cut, (width, height), interpolation=cv2.INTER_AREA).astype(np.float32)
-    smaller = cv2.resize(
-        small, (max(width // 2, 1), max(height // 2, 1)), interpolation=cv2.INTER_AREA
-    )
+    small = halved(halved(picture)).astype(np.float32)
+    smaller = halved(small)
     deviation = np.sqrt(noise.floor) / SHRINK
     fine = _coarse_ridges(small, deviation, min_height)
     wide = _upscaled(_coarse_ridges(smaller, 0.5 * deviation, min_height))
@@ -88,6 +85,13 @@ def find_seeds(
         pixel = np.clip(pixel, 0, np.array(region.shape)[::-1] - 1)
         found = _picked(found, region[pixel[:, 1], pixel[:, 0]])
     return _spread(_chained(found, small.shape, min_length_px / SHRINK))
+
+
+def halved(picture: NDArray[Any]) -> NDArray[Any]:
+    """Return a picture at half its size, each pixel the mean of four; an odd side loses one."""
+    height, width = (max(side // 2, 1) for side in picture.shape)
+    cut = picture[: 2 * height, : 2 * width]
+    return np.asarray(cv2.resize(cut, (width, height), interpolation=cv2.INTER_AREA))
 
 
 def _coarse_ridges(small: Float32Array, deviation: float, min_height: float) -> _CoarsePoints:
@@ -109,7 +113,8 @@ def _coarse_ridges(small: Float32Array, deviation: float, min_height: float) -> 
     )
     ridge = Ridge.from_derivatives(derivatives.astype(np.float64))
     good = (
-        (np.abs(ridge.step_px).max(axis=1) <= _HALF_PIXEL)
+        (np.abs(ridge.step_px[:, 0]) <= _HALF_PIXEL)
+        & (np.abs(ridge.step_px[:, 1]) <= _HALF_PIXEL)
         & (-ridge.curvature > least)
         & (np.abs(ridge.along) < _LINE_LIKE * -ridge.curvature)
     )
@@ -119,14 +124,20 @@ def _coarse_ridges(small: Float32Array, deviation: float, min_height: float) -> 
 
 def _upscaled(points: _CoarsePoints) -> _CoarsePoints:
     """Carry points of the picture at an eighth to the one at a quarter: one becomes two."""
-    tangent = np.column_stack([-points.normal[:, 1], points.normal[:, 0]])
-    tangent /= np.maximum(np.abs(tangent).max(axis=1, keepdims=True), 1e-9)
+    tangent = _pixel_steps(points.normal)
     place = 2.0 * points.place + 0.5
     return _CoarsePoints(
         np.concatenate([place - 0.5 * tangent, place + 0.5 * tangent]),
         np.tile(points.normal, (2, 1)),
         np.tile(points.strength, 2),
     )
+
+
+def _pixel_steps(normal: FloatArray) -> FloatArray:
+    """Return steps along a ridge that go on by one pixel in u or v, whichever is more."""
+    tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
+    longer = np.maximum(np.abs(normal[:, 0]), np.abs(normal[:, 1]))
+    return np.asarray(tangent / longer[:, None])
 
 
 def _joined(one: _CoarsePoints, other: _CoarsePoints) -> _CoarsePoints:
@@ -180,8 +191,7 @@ def _chained(points: _CoarsePoints, shape: tuple[int, ...], min_length: float) -
 
 def _spread(points: _CoarsePoints) -> StripeSeeds:
     """Put seeds along each coarse ridge pixel, one per pixel of the full picture."""
-    tangent = np.column_stack([-points.normal[:, 1], points.normal[:, 0]])
-    tangent /= np.maximum(np.abs(tangent).max(axis=1, keepdims=True), 1e-9)
+    tangent = _pixel_steps(points.normal)
     along = np.arange(SHRINK) - 0.5 * (SHRINK - 1)
     centre = SHRINK * points.place + 0.5 * (SHRINK - 1)
     return StripeSeeds(

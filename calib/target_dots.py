@@ -83,7 +83,7 @@ class DotPattern:
             return None
         place = numbering.rows_and_cols(node)
         keep &= inside_target(place, target.rows, target.cols)
-        homography, agree = agreeing(place[keep], dots.centre_px[keep])
+        homography, agree = agreeing(place[keep], dots.centre_px[keep], dots.sigma_px[keep])
         index = np.flatnonzero(keep)[agree]
         return SeenTarget(
             place[index],

@@ -4,10 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import median_filter
-from scipy.signal import savgol_filter
 
 from calib import BoolArray, Cause, FloatArray, IntArray, StripePoints
+from measure.noise import Noise, noise_of, rest_of, robust_sigma
 from measure.pieces import MIN_PIECE, pieces, sizes
 from measure.template import Template
 
@@ -18,8 +17,6 @@ _LAYER_BIN_MM = 1.0
 _LAYER_GAP_MM = 0.8
 _SMOOTHING_POINTS = 21
 _REJECT_SIGMAS = 4.0
-_GAP_MM = 2.0
-_MAX_LAG = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,15 +29,15 @@ class Kept:
         Shape (K,): which points, from the flange back to the field side.
     along_mm
         Shape (K,), rising: place along the reference.
-    noise_factor
-        How much more a mean of points scatters than their sigmas, taken as independent, say.
+    noise
+        How they scatter.
     left_out
         How many points were left out for which cause.
     """
 
     index: IntArray
     along_mm: FloatArray
-    noise_factor: float
+    noise: Noise
     left_out: Mapping[Cause, int]
 
 
@@ -73,18 +70,23 @@ def keep_wheel(
     first = hanging[_first_layer(along[hanging], outside[hanging], piece)]
     ordered = first[np.argsort(along[first], kind="stable")]
 
-    score = _misfit(along[ordered], outside[ordered], sigma_mm[ordered])
-    spread = max(1.0, _robust_sigma(score))
-    inlier = np.abs(score) <= _REJECT_SIGMAS * spread
+    kept = ordered[_inliers(along[ordered], outside[ordered], sigma_mm[ordered])]
+    width = sigma_mm[kept] / stripe.sigma_px[kept] * stripe.width_px[kept]
     left_out = {
         Cause.STRAY_LIGHT: len(points_mm) - len(hanging),
         Cause.GLARE: len(hanging) - len(ordered),
-        Cause.OUTLIER: int(np.sum(~inlier)),
+        Cause.OUTLIER: len(ordered) - len(kept),
     }
     return Kept(
-        index=ordered[inlier],
-        along_mm=along[ordered[inlier]],
-        noise_factor=float(spread * np.sqrt(_correlation_length(score[inlier]))),
+        index=kept,
+        along_mm=along[kept],
+        noise=noise_of(
+            along[kept],
+            outside[kept],
+            sigma_mm[kept],
+            width,
+            template.wears_smoothly(along[kept]),
+        ),
         left_out={cause: count for cause, count in left_out.items() if count},
     )
 
@@ -116,38 +118,7 @@ def _first_layer(along_mm: FloatArray, outside_mm: FloatArray, piece: IntArray) 
     return keep
 
 
-def _misfit(along_mm: FloatArray, outside_mm: FloatArray, sigma_mm: FloatArray) -> FloatArray:
-    """Return how many sigmas each point lies off its smoothed neighbours."""
-    score = np.zeros(len(along_mm))
-    breaks = np.flatnonzero(np.diff(along_mm) > _GAP_MM) + 1
-    for run in np.split(np.arange(len(along_mm)), breaks):
-        if len(run) < _SMOOTHING_POINTS:
-            continue
-        height = outside_mm[run]
-        # A parabola through points that hold a gross error bends towards it: medians first.
-        rough = height - median_filter(height, 9, mode="nearest")
-        gross = np.abs(rough) > 6.0 * max(_robust_sigma(rough), 1e-6)
-        steady = np.where(gross, height - rough, height)
-        score[run] = (height - savgol_filter(steady, _SMOOTHING_POINTS, 2)) / sigma_mm[run]
-    # The point itself takes part in its parabola: 9 / 4K of its error is hidden there.
-    return np.asarray(score / np.sqrt(1.0 - 9.0 / (4.0 * _SMOOTHING_POINTS)))
-
-
-def _robust_sigma(values: FloatArray) -> float:
-    return float(1.4826 * np.median(np.abs(values))) if len(values) else 0.0
-
-
-def _correlation_length(score: FloatArray) -> float:
-    """Return how many neighbours count as one: 1 + 2 (sum of the correlations that are there)."""
-    power = float(np.mean(score**2)) if len(score) > 4 * _MAX_LAG else 0.0
-    if not power > 0.0:
-        return 1.0
-    length = 1.0
-    # A parabola through K points leaves the residuals of white noise a correlation of -9 / 4K.
-    expected = -9.0 / (4.0 * _SMOOTHING_POINTS)
-    for lag in range(1, _MAX_LAG + 1):
-        correlation = float(np.mean(score[lag:] * score[:-lag])) / power - expected
-        if correlation < 3.0 / np.sqrt(len(score)):
-            break
-        length += 2.0 * correlation
-    return length
+def _inliers(along_mm: FloatArray, outside_mm: FloatArray, sigma_mm: FloatArray) -> BoolArray:
+    """Tell which points lie where their neighbours say, within what is usual on this stripe."""
+    score = rest_of(along_mm, outside_mm, _SMOOTHING_POINTS) / sigma_mm
+    return np.asarray(np.abs(score) <= _REJECT_SIGMAS * max(1.0, robust_sigma(score)))

@@ -112,7 +112,7 @@ def _read(
     assume_back: bool,
 ) -> FrameReadings | Unmeasured:
     section = laid.section
-    sigma = section.sigma_mm * laid.noise_factor
+    sigma = laid.noise.counting_mm
     curve = Curve(section.points_mm, laid.along_mm, sigma, WINDOW_MM)
     back = _back(laid, sigma, template)
     gauged = gauge(curve, back, reference)
@@ -158,7 +158,7 @@ def _motions(laid: Laid, sensor: LaserSensor) -> Motions:
     section = laid.section
     by_sensor = whitened(section.jacobian @ laid.sheet.by_sensor, sensor.covariance)
     return Motions(
-        own_mm=section.own_mm * laid.noise_factor,
+        own_mm=section.own_mm * (laid.noise.counting_mm / section.sigma_mm)[:, None],
         once_mm=laid.once_mm,
         shared_mm=np.concatenate([by_sensor, laid.shared_mm], axis=2),
     )

@@ -10,6 +10,7 @@ from measure.axle import Axle, solve_axle
 from measure.cleaning import Kept, keep_wheel
 from measure.flange import Voters, find_flanges
 from measure.mounting import Mounting
+from measure.noise import Noise
 from measure.registration import refine_shift
 from measure.section import AxleMap, Section, SheetPoints, radial_place_mm
 from measure.template import Template
@@ -39,8 +40,8 @@ class Laid:
         (y, z) of the reference = (a, r) - shift.
     along_mm
         Shape (N,), place along the reference.
-    noise_factor
-        How much more a mean of points scatters than their sigmas say.
+    noise
+        How the points scatter.
     left_out
         How many points of the picture were left out for which cause.
     once_mm, shared_mm
@@ -54,7 +55,7 @@ class Laid:
     section: Section
     shift_mm: FloatArray
     along_mm: FloatArray
-    noise_factor: float
+    noise: Noise
     left_out: Mapping[Cause, int]
     once_mm: FloatArray
     shared_mm: FloatArray
@@ -98,7 +99,7 @@ def lay_by_axle(
         section=section,
         shift_mm=shift,
         along_mm=kept.along_mm,
-        noise_factor=kept.noise_factor,
+        noise=kept.noise,
         left_out=kept.left_out,
         once_mm=once,
         shared_mm=np.concatenate([radius, tilts], axis=2),

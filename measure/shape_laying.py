@@ -71,7 +71,7 @@ def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) ->
         section=section,
         shift_mm=shift,
         along_mm=kept.along_mm,
-        noise_factor=kept.noise_factor,
+        noise=kept.noise,
         left_out=kept.left_out,
         once_mm=squeeze[:, :, None],
         shared_mm=turn[:, :, None],

@@ -6,12 +6,14 @@ from functools import lru_cache
 import numpy as np
 from scipy.spatial import cKDTree
 
-from calib import FloatArray, IntArray
+from calib import BoolArray, FloatArray, IntArray
 from measure.reference import BACK_Y_MM, ReferenceProfile
 
 _STEP_MM = 0.5
 _BACK_FACE_MM = 40.0
 _BACK_FACE_CLEARANCE_MM = 1.0
+_FACE_CLEARANCE_MM = 2.0
+_THROAT_END_Y_MM = -15.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,6 +70,12 @@ class Template:
         along = self.along_mm[nearest] + np.sum(offset * self.tangent[nearest], axis=1)
         outside = np.sum(offset * self.outward[nearest], axis=1)
         return along, outside, nearest
+
+    def wears_smoothly(self, along_mm: FloatArray) -> BoolArray:
+        """Tell which places are clear of the flange face and the throat, where edges wear in."""
+        start = self.along_mm[self.tip] + _FACE_CLEARANCE_MM
+        end = self.along_mm[np.argmax(self.points_mm[:, 0] > _THROAT_END_Y_MM)]
+        return np.asarray((along_mm < start) | (along_mm > end))
 
     def flange(self) -> IntArray:
         """Return the points of the flange: a piece of back face, the tip, the face."""

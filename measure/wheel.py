@@ -43,8 +43,8 @@ class WheelQuality:
         Points of it that were left out, by cause.
     coverage
         Share of the reference from tip to field side that it shows.
-    noise_factor
-        How much more means of its points scatter than their sigmas, taken as independent, say.
+    speckle_share
+        By which part of the stripe's width its points scatter beyond the pixels' noise.
     axle_offset_mm, sheet_yaw_deg
         Distance of the axle from the sheet, and angle between them; None without a mounting.
     wear_max_at_d_mm
@@ -58,7 +58,7 @@ class WheelQuality:
     points: int = 0
     left_out: Mapping[Cause, int] = field(default_factory=dict)
     coverage: float = 0.0
-    noise_factor: float | None = None
+    speckle_share: float | None = None
     axle_offset_mm: float | None = None
     sheet_yaw_deg: float | None = None
     wear_max_at_d_mm: float | None = None
@@ -221,7 +221,7 @@ def _quality(
         points=len(laid.along_mm),
         left_out=laid.left_out,
         coverage=chosen.coverage,
-        noise_factor=laid.noise_factor,
+        speckle_share=laid.noise.speckle_share,
         axle_offset_mm=laid.axle_offset_mm,
         sheet_yaw_deg=float(np.degrees(yaw)) if yaw is not None else None,
         wear_max_at_d_mm=chosen.wear_max_at_d_mm,

@@ -4,18 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.arrays import BoolArray, FloatArray
+from calib.arrays import FloatArray
 from calib.calibration import CameraRole, SolveReport, Termination
 from calib.camera import PARAMETERS, CameraModel
+from calib.joint.false_stripes import believable_stripes
 from calib.joint.parameters import Estimate, Layout
 from calib.joint.solve import Prior, Problem, Solution, solve
 from calib.solving import Answer, PointsAnswer, Prepared
-from calib.start import LEAST_STRIPE_POINTS
 
 # Renewals of the choice which stripes to believe; more than two are not seen to change anything.
 _ROUNDS = 4
-# A stripe lies on the sheet if its median point does within this many standard deviations.
-_STRIPE_FITS = 3.0
 # A scatter this many times the predicted one, or its inverse, is worth telling.
 _SCALE_WORTH_TELLING = 2.0
 
@@ -33,7 +31,7 @@ def solve_jointly(prepared: Prepared) -> Answer:
     estimate = Estimate.start(prepared.camera, prepared.plane, list(prepared.poses))
     for _ in range(_ROUNDS):
         solution = solve(problem, estimate)
-        fitting = _fitting_stripes(problem, solution)
+        fitting = believable_stripes(problem, solution)
         if (fitting == problem.stripe_in).all() or fitting.sum() < 2:
             break
         problem, estimate = replace(problem, stripe_in=fitting), solution.estimate
@@ -81,7 +79,7 @@ def report_of(problem: Problem, solution: Solution, role: CameraRole) -> SolveRe
     return SolveReport(
         termination=Termination.CONVERGED,
         iterations=solution.iterations,
-        cost=solution.cost,
+        cost=solution.equations.cost,
         sigma_scale_dots=solution.dots_mixture.scale,
         sigma_scale_stripe=solution.stripe_mixture.scale if striped else 0.0,
         outlier_fraction_dots=solution.dots_mixture.share,
@@ -112,17 +110,6 @@ def _prior(prepared: Prepared, layout: Layout) -> Prior | None:
     root = np.sqrt(np.diag(covariance))
     information = np.linalg.pinv(covariance / root / root[:, None], hermitian=True)
     return Prior(prepared.camera.parameters, information / root / root[:, None])
-
-
-def _fitting_stripes(problem: Problem, solution: Solution) -> BoolArray:
-    """Tell the views whose stripe lies on the sheet, shape (M,)."""
-    table = problem.observations.stripe
-    size = np.abs(solution.stripe.residual[:, 0]) / solution.stripe_mixture.scale
-    edges = np.searchsorted(table.view, np.arange(problem.observations.count + 1))
-    parts = [size[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)]
-    return np.array([
-        len(own) >= LEAST_STRIPE_POINTS and np.median(own) <= _STRIPE_FITS for own in parts
-    ])
 
 
 def _answer(prepared: Prepared, problem: Problem, solution: Solution) -> Answer:

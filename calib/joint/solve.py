@@ -69,10 +69,11 @@ class Solution:
         Residuals and Jacobian there.
     dots_mixture, stripe_mixture
         How the points scatter.
-    covariance
-        Of poses and global parameters, scaled by the scatter seen.
-    cost, iterations
-        Half the weighted sum of squares; steps taken.
+    equations, covariance
+        The normal equations, and their inverse: the covariance of poses and global parameters,
+        scaled by the scatter seen.
+    iterations
+        Steps taken.
     """
 
     estimate: Estimate
@@ -80,8 +81,8 @@ class Solution:
     stripe: Linear
     dots_mixture: Mixture
     stripe_mixture: Mixture
+    equations: NormalEquations
     covariance: ArrowCovariance
-    cost: float
     iterations: int
 
 
@@ -307,7 +308,7 @@ def _solution(problem: Problem, place: _Place, belief: _Belief, iterations: int)
         stripe=place.stripe,
         dots_mixture=belief.dots,
         stripe_mixture=belief.stripe,
+        equations=total,
         covariance=_covariance(total),
-        cost=total.cost,
         iterations=iterations,
     )

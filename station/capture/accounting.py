@@ -37,16 +37,20 @@ class FrameAccount:
         """Frames whose fate is known, or that are on their way to the disk."""
         return self.arrived + self.lost + self.refused
 
-    def arrive(self, frame_id: int, flaw: str | None) -> bool:
+    def arrive(self, frame_id: int | None, flaw: str | None) -> bool:
         """Take a frame into account; return whether it is to be recorded.
 
         Parameters
         ----------
         frame_id
-            As the camera numbers them.
+            As the camera numbers them; None where the packet that says it is lost.  Such a frame
+            is said in an event and counted when the next id shows that one is missing.
         flaw
             Why the frame is incomplete; None where it is whole.
         """
+        if frame_id is None:
+            self._say(EventKind.FRAME_REFUSED, None, 0, f"{flaw}, id unknown: counted as lost")
+            return False
         skipped = self._skipped(frame_id)
         if skipped is None:
             self.repeated += 1

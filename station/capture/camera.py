@@ -60,7 +60,9 @@ class Camera:
         """Begin to acquire into the free slots of the ring."""
         with self._talking():
             self._set_trigger(trigger)
+            self._camera.gv_set_stream_options(Aravis.GvStreamOption.PACKET_SOCKET_DISABLED)
             stream = self._camera.create_stream(None, None)
+            import sys; from station.capture.receive_buffer import enlarge_receive_buffer; print("RCVBUF",enlarge_receive_buffer(stream.get_port()),file=sys.stderr)
             if stream is None:
                 raise CameraError(f"camera {self._settings.address} gives no stream; open it again")
             frames = FrameStream(stream, ring, self.payload_bytes)

@@ -106,7 +106,8 @@ class Intake:
     def _take(self, frame: ReceivedFrame) -> None:
         self.heard_s = time.monotonic()
         surplus = self._limit is not None and self.account.accounted >= self._limit
-        if surplus or not self.account.arrive(frame.frame_id, frame.flaw):
+        wanted = not surplus and self.account.arrive(frame.frame_id, frame.flaw)
+        if not wanted or frame.frame_id is None:
             self._give_back(frame.slot)
             return
         utc_ns = self._clock.utc_ns(frame.camera_ns, frame.received_ns)
@@ -178,5 +179,5 @@ class Intake:
         new = self._stream.underruns - self._underruns
         if new > 0:
             self._underruns += new
-            detail = "frames met no free slot between camera and disk"
-            self.note(Event(EventKind.RING_FULL, time.time_ns(), detail, count=new))
+            detail = f"{new} packets met no free slot between camera and disk"
+            self.note(Event(EventKind.RING_FULL, time.time_ns(), detail))

@@ -10,13 +10,20 @@ from station.capture.ring import Ring
 _FRAME_RETENTION_US = 5_000_000
 """With its default of 0.1 s Aravis 0.8.26 gives up the first frame after a pause."""
 
+_REQUEST_RATIO = 1.0
+"""A receiver held up by others can miss most of a frame; with its default Aravis would ask for a
+quarter of the packets, give up, and let the frame block those behind it until it is too old."""
+_NO_ID = 0
+"""No frame has it.  A frame whose first packet is lost keeps the id its buffer had before."""
+
 
 @dataclass(frozen=True, slots=True)
 class ReceivedFrame:
     """A frame in its slot, whole or not."""
 
     slot: int
-    frame_id: int
+    frame_id: int | None
+    """As the camera numbers them; None where the packet that says it is lost."""
     camera_ns: int
     """The camera's timestamp, ns."""
     received_ns: int
@@ -35,8 +42,8 @@ class FrameStream:
     """
 
     def __init__(self, stream: Any, ring: Ring, payload_bytes: int) -> None:
-        stream.set_property("socket-buffer", Aravis.GvStreamSocketBuffer.AUTO)
         stream.set_property("frame-retention", _FRAME_RETENTION_US)
+        stream.set_property("packet-request-ratio", _REQUEST_RATIO)
         self._stream = stream
         self._buffers = {
             slot: Aravis.Buffer.new(payload_bytes, ring.address(slot)) for slot in range(ring.slots)
@@ -63,6 +70,7 @@ class FrameStream:
 
     def lend(self, slot: int) -> None:
         """Let a slot be filled."""
+        self._buffers[slot].set_frame_id(_NO_ID)
         self._stream.push_buffer(self._buffers[slot])
         self.lent.add(slot)
 
@@ -89,7 +97,7 @@ class FrameStream:
         flaw = _flaw(buffer.get_status())
         return ReceivedFrame(
             slot=slot,
-            frame_id=buffer.get_frame_id(),
+            frame_id=buffer.get_frame_id() or None,
             camera_ns=buffer.get_timestamp(),
             received_ns=buffer.get_system_timestamp(),
             width=0 if flaw else buffer.get_image_width(),

@@ -86,36 +86,21 @@ class Revolution:
         distance h from the axle; they meet at :math:`\sqrt{r^2 - h^2}` along the line. No
         radial section is assumed.
         """
-        rotation = self.cam_from_axle.rotation
-        normal = rotation.T @ plane.normal_in_cam
-        offset = float(plane.distance_mm(self.cam_from_axle.translation_mm[None])[0])
-        steep = float(np.hypot(normal[0], normal[2]))
-        across = np.array([normal[0], normal[2]]) / steep
-        along = np.array([-across[1], across[0]])
-        source = self.cam_from_axle.inverse().apply(source_in_cam_mm[None])[0]
-        if source[[0, 2]] @ along < 0.0:
-            along = -along
-
+        lines = _SheetLines.of(plane, source_in_cam_mm, self.cam_from_axle)
         y, z = self.profile.points_mm.T
         radius = self.radius_mm + z
-        height = (q_mm[None, :] - offset - normal[1] * y[:, None]) / steep
+        height = lines.height_mm(y, q_mm)
         square = radius[:, None] ** 2 - height**2
         met = (square > 0.0).all(axis=1)
-        y, radius, height = y[met], radius[met], height[met]
-        flat = height[..., None] * across + np.sqrt(square[met])[..., None] * along
-
-        n_y, n_z = self.profile.normals[met].T[..., None]
-        outward = flat / radius[:, None, None]
-        points = np.stack(
-            [flat[..., 0], np.broadcast_to(y[:, None], height.shape), flat[..., 1]], -1
-        )
-        normals = np.stack(
-            [n_z * outward[..., 0], np.broadcast_to(n_y, height.shape), n_z * outward[..., 1]], -1
-        )
+        height, square = height[met], square[met]
+        flat = height[..., None] * lines.across + np.sqrt(square)[..., None] * lines.along
+        points = _with_lateral(flat, y[met])
+        n_y, n_z = self.profile.normals[met].T
+        normals = _with_lateral(flat * (n_z / radius[met])[:, None, None], n_y)
         return Section(
-            points @ rotation.T + self.cam_from_axle.translation_mm,
-            normals @ rotation.T,
-            np.flatnonzero(met),
+            points_in_cam_mm=self.cam_from_axle.apply(points),
+            normals_in_cam=normals @ self.cam_from_axle.rotation.T,
+            place=np.flatnonzero(met),
         )
 
     def sees(self, points_in_cam_mm: FloatArray, eye_in_cam_mm: FloatArray) -> BoolArray:
@@ -199,8 +184,52 @@ class Revolution:
         place = np.clip(place, 0, len(slope) - 1)
         flat = points_mm[:, [0, 2]]
         radius = np.linalg.norm(flat, axis=1)
-        on_back = self._radii_mm[place] - radius > 1.0
-        steep = np.where(on_back, 1e3 * np.sign(place - len(slope) / 2.0), -slope[place])
-        outward = flat / radius[:, None]
-        normals = np.column_stack([outward[:, 0], steep, outward[:, 1]])
+        # A ray that comes in a millimetre under the rim came in through a face at an end.
+        through_end = self._radii_mm[place] - radius > 1.0
+        end = np.where(place < len(slope) // 2, -1.0, 1.0)
+        lateral = np.where(through_end, end, -slope[place])
+        outward = np.where(through_end, 0.0, 1.0 / radius)[:, None] * flat
+        normals = np.column_stack([outward[:, 0], lateral, outward[:, 1]])
         return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _SheetLines:
+    """The straight lines that a sheet draws in the planes square to the axle.
+
+    In the (x, z) of the axle frame a line is all ``height * across + s * along``, s positive on
+    the laser's side.
+    """
+
+    across: FloatArray
+    along: FloatArray
+    steep: float
+    lateral: float
+    offset_mm: float
+
+    @classmethod
+    def of(
+        cls, plane: LightPlane, source_in_cam_mm: FloatArray, cam_from_axle: RigidTransform
+    ) -> "_SheetLines":
+        normal = cam_from_axle.rotation.T @ plane.normal_in_cam
+        steep = float(np.hypot(normal[0], normal[2]))
+        across = normal[[0, 2]] / steep
+        along = np.array([-across[1], across[0]])
+        source = cam_from_axle.inverse().apply(source_in_cam_mm[None])[0]
+        return cls(
+            across=across,
+            along=along if source[[0, 2]] @ along > 0.0 else -along,
+            steep=steep,
+            lateral=float(normal[1]),
+            offset_mm=float(plane.distance_mm(cam_from_axle.translation_mm[None])[0]),
+        )
+
+    def height_mm(self, y_mm: FloatArray, q_mm: FloatArray) -> FloatArray:
+        """Distance from the axle of the line at y and q beside the sheet, shape (S, Q)."""
+        return (q_mm[None, :] - self.offset_mm - self.lateral * y_mm[:, None]) / self.steep
+
+
+def _with_lateral(flat: FloatArray, lateral: FloatArray) -> FloatArray:
+    """Put (x, z) of shape (S, Q, 2) and y of shape (S,) together, shape (S, Q, 3)."""
+    y = np.broadcast_to(lateral[:, None], flat.shape[:2])
+    return np.stack([flat[..., 0], y, flat[..., 1]], axis=-1)

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from calib import CameraModel, FloatArray, IntArray
+from calib import CameraModel, FloatArray
 from station.scenes.light import LightRecipe
 from station.scenes.patch import Counts, Window
 from station.scenes.rays import ray_map
@@ -47,20 +47,22 @@ def stripe_light(
     if np.count_nonzero(seen) < 2:
         return np.zeros(window.shape, dtype=np.float32)
 
-    points, normals = strip.points_in_cam_mm[seen], strip.normals_in_cam[seen]
-    flat = points.reshape(-1, 3)
-    bright = sheet.irradiance(flat, normals.reshape(-1, 3)).reshape(points.shape[:2])
+    pixels = camera.project(strip.points_in_cam_mm.reshape(-1, 3))
+    pixels = pixels.reshape(*strip.points_in_cam_mm.shape[:2], 2)
+    areas = _areas_px(pixels)[seen]
     # Over the millimetre of the sheet's thickness the wheel turns by 0.1 degrees: what steel
     # returns is the same all across.
     share = returned(
         wheel.profile.points_mm[strip.place[seen], 0],
-        normals[:, len(across) // 2],
+        strip.normals_in_cam[seen, len(across) // 2],
         _towards(sheet.source_in_cam_mm, middle[seen]),
         _towards(np.zeros(3), middle[seen]),
     )
+    bright = sheet.irradiance(
+        strip.points_in_cam_mm[seen].reshape(-1, 3), strip.normals_in_cam[seen].reshape(-1, 3)
+    ).reshape(areas.shape)
     bright *= (share * dirt[strip.place[seen]])[:, None]
-    pixels = camera.project(flat).reshape(*points.shape[:2], 2)
-    return _splat(pixels, bright * _areas_px(pixels, np.flatnonzero(seen)), window)
+    return _splat(pixels[seen], bright * areas, window)
 
 
 def body_light(
@@ -125,17 +127,9 @@ def _towards(eye_in_cam_mm: FloatArray, points: FloatArray) -> FloatArray:
     return np.asarray(way / np.linalg.norm(way, axis=-1, keepdims=True))
 
 
-def _areas_px(pixels: FloatArray, rows: IntArray) -> FloatArray:
-    """Return the area of the picture of each grid piece, shape (S, Q), px².
-
-    Where rows were left out (hidden), the pieces at the rim of the gap keep their own size.
-    """
-    along = np.gradient(pixels, axis=0)
-    gap = np.abs(np.gradient(rows.astype(np.float64)) - 1.0) > 0.1
-    if gap.any():
-        step = np.linalg.norm(along, axis=-1, keepdims=True)
-        along[gap] *= np.median(step[~gap]) / np.maximum(step[gap], 1e-9)
-    across = np.gradient(pixels, axis=1)
+def _areas_px(pixels: FloatArray) -> FloatArray:
+    """Return the area of the picture of each piece of a grid, shape (S, Q), px²."""
+    along, across = np.gradient(pixels, axis=0), np.gradient(pixels, axis=1)
     return np.asarray(np.abs(along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0]))
 
 

@@ -21,6 +21,16 @@ def variance_px2(light):
 
 
 @pytest.mark.parametrize("depth_mm", [400.0, 486.0, 600.0])
+def test_defocus_is_that_of_a_12_mm_lens_at_f_5_6(depth_mm):
+    focal_mm, pixel_mm, focus_mm = 12.7, 0.0055, 486.0
+    circle_mm = focal_mm / 5.6 * focal_mm / (focus_mm - focal_mm) * abs(1.0 - focus_mm / depth_mm)
+    # An even disc of diameter c has the standard deviation c / 4 along any direction.
+    expected = np.hypot(0.85, circle_mm / pixel_mm / 4.0)
+    sigma = Lens().blur_sigma_px(np.array([depth_mm], dtype=np.float32))[0]
+    assert sigma == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("depth_mm", [400.0, 486.0, 600.0])
 def test_blur_has_the_spread_of_the_depth_and_loses_no_light(depth_mm):
     lens = Lens()
     depth = np.full((129, 129), depth_mm, dtype=np.float32)

@@ -8,7 +8,7 @@ from aravis_receiver import Receiver
 from simulated_pictures import numbered_pictures, numbered_source
 
 from station.errors import CameraError, CameraLost, InputUnusable
-from station.simulated import DeviceOptions, Faults, SimulatedCameraProcess, probe_camera
+from station.simulated import Faults, SimulatedCameraProcess, probe_camera
 
 WIDTH, HEIGHT = 2048, 1088
 FULL_SIZE = partial(numbered_source, 8, WIDTH, HEIGHT)
@@ -42,23 +42,6 @@ def test_full_size_at_53_pictures_a_second_arrives_byte_for_byte(packet_loss):
     assert np.median(np.diff(times)) * 1e-9 == pytest.approx(1 / 53.0, abs=1e-4)
     # 160 frames of 249 packets at 1 %: 398 expected, sigma 20.
     assert 300 * bool(packet_loss) <= statistics.dropped_packets <= 500 * bool(packet_loss)
-
-
-def test_two_cameras_with_the_same_faults_drop_the_same_packets():
-    faults = Faults(packet_loss=0.2, seed=4)
-    counts = []
-    for address in ("127.10.5.2", "127.10.5.3"):
-        options = DeviceOptions(frame_rate_hz=200.0)
-        with SimulatedCameraProcess(address, SMALL, faults=faults, options=options) as camera:
-            receiver = Receiver(address, packet_bytes=576)
-            receiver.device.set_string_feature_value("AcquisitionMode", "MultiFrame")
-            receiver.device.set_integer_feature_value("AcquisitionFrameCount", 20)
-            with receiver:
-                receiver.take(20, timeout_s=0.5)
-            receiver.close()
-            camera.stop()
-            counts.append(camera.statistics().dropped_packets)
-    assert counts[0] == counts[1] > 0
 
 
 def test_triggers_reach_the_camera_with_their_times():

@@ -101,15 +101,22 @@ def test_a_recording_without_that_sensor_is_refused(tmp_path):
         RecordingSource(path, "right")
 
 
+@pytest.fixture
+def two_scenes(monkeypatch):
+    monkeypatch.setattr("station.simulated.scene_source.SCENES", 2)
+
+
+@pytest.mark.usefixtures("two_scenes")
 def test_a_scene_comes_round_the_same_and_brightens_with_the_exposure():
     scenes = render_scenes(SceneKind.CYLINDER, Light.DIM, seed=3)
-    first, *_, again = served(scenes, 13)
+    first, _, again = served(scenes, 3)
     np.testing.assert_array_equal(first, again)
     brighter = scenes.frame(0, 2.0 * DEFAULT_EXPOSURE_US)
     assert brighter.mean() > 1.3 * first.mean()
-    np.testing.assert_array_equal(scenes.frame(12, DEFAULT_EXPOSURE_US), first)
+    np.testing.assert_array_equal(scenes.frame(2, DEFAULT_EXPOSURE_US), first)
 
 
+@pytest.mark.usefixtures("two_scenes")
 def test_the_same_seed_renders_the_same_scene():
     one, other = (render_scenes(SceneKind.CYLINDER, Light.GOOD, seed=5) for _ in range(2))
     np.testing.assert_array_equal(one.frame(0, 1e4), other.frame(0, 1e4))
@@ -122,4 +129,5 @@ def test_every_scene_renders_in_every_light(kind, light):
     source = render_scenes(kind, light)
     pictures = served(source, 12)
     assert {picture.shape for picture in pictures} == {(1088, 2048)}
-    assert all(picture.max() > 60 for picture in pictures)
+    # In dim light a dot is a tenth of its 150 counts; dark pixels have 3, with a noise of 0.4.
+    assert all(picture.max() > 10 for picture in pictures)

@@ -134,6 +134,22 @@ def test_two_cameras_stream_at_once():
         assert frame.data == other_pictures[(frame.frame_id - 1) % 3].tobytes()
 
 
+def test_two_cameras_with_the_same_seed_drop_the_same_packets():
+    counts = []
+    for address in ("127.10.3.12", "127.10.3.13"):
+        with SimulatedCamera(
+            address, ArraySource(PICTURES), faults=Faults(packet_loss=0.2, seed=4), options=FAST
+        ) as camera:
+            receiver = Receiver(address)
+            receiver.device.set_string_feature_value("AcquisitionMode", "MultiFrame")
+            receiver.device.set_integer_feature_value("AcquisitionFrameCount", 20)
+            with receiver:
+                assert wait_until(lambda camera=camera: camera.statistics().sent == 20)
+            receiver.close()
+            counts.append(camera.statistics().dropped_packets)
+    assert counts[0] == counts[1] > 0
+
+
 @pytest.mark.parametrize("mode", ["SingleFrame", "MultiFrame"])
 def test_an_acquisition_of_so_many_frames_gives_so_many(mode):
     with SimulatedCamera("127.10.3.5", ArraySource(PICTURES), options=FAST) as camera:

@@ -1,0 +1,86 @@
+"""Taking back what blur does to a stripe that bends: it is drawn to the inside of the bend."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from calib import FloatArray, StripePoints, kernel_of
+
+_NEIGHBOURS = 33
+_REACH_PX = 20.0
+_SAME_WAY = 0.8
+_MIN_POINTS = 40
+_ROUNDS = 5
+
+
+def unbend(stripe: StripePoints) -> StripePoints:
+    r"""Return the stripe with its centres moved back to the outside of its bends.
+
+    Parameters
+    ----------
+    stripe
+        As `calib.locate_stripe` gives it, in any order. On the straight stripes of flat targets
+        nothing is changed.
+
+    Returns
+    -------
+    StripePoints
+        The same points, their centres moved along their normals.
+
+    Notes
+    -----
+    Everything that spreads light along the stripe takes the chord for the arc: a spread of
+    variance :math:`\tau^2` along a stripe of curvature :math:`\kappa` moves its ridge inwards by
+
+    .. math:: \kappa \tau^2 / 2 .
+
+    The lens spreads alike in all directions, the thickness of the laser sheet along one
+    direction of the picture, the same for the whole wheel. Both widen the profile across the
+    stripe, so the variance of the profile is :math:`n^T W n` with one matrix W for the picture,
+    found from stripes that run different ways; along the stripe it is :math:`t^T W t`. The
+    detector's own kernel adds its variance.
+    """
+    if len(stripe) < _MIN_POINTS:
+        return stripe
+    along = _spread_along(stripe) + kernel_of(stripe.width_px) ** 2
+    inwards = _curvature(stripe) * along / 2.0
+    return replace(stripe, centre_px=stripe.centre_px - inwards[:, None] * stripe.normal)
+
+
+def _curvature(stripe: StripePoints) -> FloatArray:
+    """Return the curvature at each point, 1/px, positive where the stripe bends to its normal."""
+    count = min(_NEIGHBOURS, len(stripe))
+    distance, near = cKDTree(stripe.centre_px).query(stripe.centre_px, k=count)
+    tangent = stripe.normal[:, ::-1] * [-1.0, 1.0]
+    offset = stripe.centre_px[near] - stripe.centre_px[:, None]
+    s = np.einsum("nkj,nj->nk", offset, tangent)
+    f = np.einsum("nkj,nj->nk", offset, stripe.normal)
+    same = np.abs(np.einsum("nkj,nj->nk", stripe.normal[near], stripe.normal)) > _SAME_WAY
+    weight = (same & (distance < _REACH_PX)).astype(np.float64)
+    powers = [np.sum(weight * s**k, axis=1) for k in range(5)]
+    moments = np.stack([np.sum(weight * f * s**k, axis=1) for k in range(3)], axis=1)
+    normal = np.array([[powers[i + j] for j in range(3)] for i in range(3)]).transpose(2, 0, 1)
+    # A point by itself bends nothing: a trace of stiffness keeps its equations solvable.
+    normal = normal + np.eye(3) * [1e-9, 1e-6, 1e-3]
+    return np.asarray(2.0 * np.linalg.solve(normal, moments[:, :, None])[:, 2, 0])
+
+
+def _spread_along(stripe: StripePoints) -> FloatArray:
+    """Return the variance that the picture spreads along the stripe at each point, px²."""
+    u, v = stripe.normal.T
+    design = np.column_stack([u * u, 2.0 * u * v, v * v])
+    variance = stripe.width_px**2
+    typical = float(np.median(variance))
+    # Where all runs one way, W is told across the stripe only; along it the same is assumed.
+    weak = 1e-2 * len(stripe) * np.diag([1.0, 2.0, 1.0])
+    prior = weak @ [typical, 0.0, typical]
+    weight = np.ones(len(stripe))
+    for _ in range(_ROUNDS):
+        weighted = design.T * weight
+        matrix = np.linalg.solve(weighted @ design + weak, weighted @ variance + prior)
+        rest = np.abs(variance - design @ matrix)
+        weight = 1.0 / np.maximum(rest, 0.1 * typical)
+        weight /= weight.max()
+    along = matrix[0] * v * v - 2.0 * matrix[1] * u * v + matrix[2] * u * u
+    return np.asarray(np.clip(along, 0.0, 4.0 * typical))

@@ -1,0 +1,85 @@
+"""A worker process with slow, plain mathematics that leaves a trace of what it did."""
+
+import threading
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+from calib import TooFewViews
+from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
+from station.pipeline import CalibrationOutcome
+from station.serve import log_as
+from station.worker.process import work
+
+WHEELS = 4
+NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
+
+
+def a_calibration_document(sensor="left"):
+    return CalibrationDocument.model_validate({
+        "sensor": sensor,
+        "created": NOON,
+        "software": "treadline 0",
+        "method": "joint",
+        "camera": {"fx": 1, "fy": 1, "cx": 0, "cy": 0, "width": 8, "height": 8},
+        "plane": {"a": 0, "b": 0, "c": -1, "d": 500},
+        "plane_covariance": [[0.0] * 4] * 4,
+        "rms": {"dots_px": 0.1, "stripe_px": 0.1},
+        "poses": [],
+        "quality": {},
+        "options": {},
+        "inputs": [],
+    })
+
+
+class SlowMathematics:
+    """Takes `steps` steps of `step_s` for a job, and writes a line at its begin and its end."""
+
+    def __init__(self, trace: Path, *, step_s: float = 0.05, steps: int = WHEELS) -> None:
+        self._trace = trace
+        self._step_s = step_s
+        self._steps = steps
+
+    def calibrate(self, sources, target, *, sensor, progress, **_rest):
+        self._note(f"begin calibrate {sensor}")
+        self._work(progress)
+        if target.rows == 2:
+            raise TooFewViews("1 view; allowed: 3 and more; take more pictures")
+        self._note(f"end calibrate {sensor}")
+        return CalibrationOutcome(a_calibration_document(sensor), "image,kind\n", ())
+
+    def measure(self, sources, calibration, *, reference, progress):
+        (source,) = sources
+        self._note(f"begin measure {source.stem}")
+        self._work(progress)
+        if "unreadable" in source.stem:
+            raise RuntimeError("a fault nobody foresaw")
+        self._note(f"end measure {source.stem}")
+        wheels = [
+            WheelDocument(source=source.name, sensor=calibration.sensor, frame=frame)
+            for frame in range(1, WHEELS + 1)
+        ]
+        return MeasurementDocument(
+            created=NOON,
+            software="treadline 0",
+            calibration="0" * 64,
+            reference=reference,
+            wheels=wheels,
+        )
+
+    def _work(self, progress):
+        for step in range(self._steps):
+            progress(step / self._steps, f"step {step}")
+            time.sleep(self._step_s)
+
+    def _note(self, line):
+        with self._trace.open("a") as stream:
+            stream.write(line + "\n")
+
+
+def run_double(settings, trace, step_s):
+    """Be the worker process."""
+    log_as("worker")
+    mathematics = SlowMathematics(trace, step_s=step_s)
+    stop = threading.Event()
+    work(settings, calibrate=mathematics.calibrate, measure=mathematics.measure, stop=stop)
