@@ -16,9 +16,9 @@ from calib.grid import (
     number,
 )
 from calib.noise import PixelNoise
-from calib.patch_fit import Patches, fit_patches, spread_over_scales
+from calib.patch_fit import SCALES_PX, Patches, fit_patches, spread_over_scales
 from calib.seen import SeenTarget
-from calib.stripe_lines import StripeLine
+from calib.stripe_lines import StripeLine, lit_by
 from calib.stripe_on_board import BoardArea
 from calib.target import Target
 from calib.views import Cause
@@ -184,12 +184,11 @@ def measure_corners(
     smooth = np.asarray(cv2.blur(picture, (3, 3)), dtype=np.uint8)
     patches = Patches.cut(picture, smooth, noise, origin, offset, use)
     contrast = 0.5 * np.ptp(np.percentile(patches.samples, [15, 85], axis=1), axis=0)
-    band = np.zeros(use.shape, dtype=bool)
-    for line in lines:
-        band |= line.lights_up(patches.places_px(), _STRIPE_FOOT * contrast)
-    seen = patches.without(band)
+    place, foot = patches.places_px(), _STRIPE_FOOT * contrast
+    band = lit_by(lines, place, foot)
     first = saddle.start(centre, origin, edges, _START_BLUR_PX)
-    fit = fit_patches(seen, first, saddle.evaluate, saddle.sound)
+    fit = fit_patches(patches.without(band), first, saddle.evaluate, saddle.sound)
+    seen = [patches.without(lit_by(lines, place, foot, scale)) for scale in SCALES_PX]
     spread = spread_over_scales(picture, seen, fit, saddle.evaluate, saddle.BLUR)
     by_noise = np.sqrt(np.einsum("nii->ni", fit.covariance))
     hidden = band.mean(axis=1)

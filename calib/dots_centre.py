@@ -9,11 +9,19 @@ from calib import disc
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.ellipse import Ellipses
 from calib.noise import PixelNoise
-from calib.patch_fit import Patches, PatchFit, fit_patches, masked_median, spread_over_scales
-from calib.stripe_lines import StripeLine
+from calib.patch_fit import (
+    SCALES_PX,
+    Patches,
+    PatchFit,
+    fit_patches,
+    masked_median,
+    spread_over_scales,
+)
+from calib.stripe_lines import StripeLine, lit_by
 
 _EDGE_REACH_PX = 4.5
 _START_BLUR_PX = 1.5
+_LARGEST_SIGMA = 0.06  # of the radius
 _STRIPE_FOOT = 0.04  # of a dot's height: what of a stripe does not disturb its edge
 
 
@@ -28,8 +36,8 @@ class DotCentres:
     outlines
         The N ellipses.
     height, ground, slope
-        Shape (N,): counts over the ground, counts of the ground, change of the ground across
-        the dot.
+        Shape (N,): counts over the ground as seen, counts of the ground, change of the ground
+        across the dot.
     scatter
         Shape (N,), what the fit leaves over what noise explains.
     hidden, clipped
@@ -99,28 +107,29 @@ def measure_dots(
     smooth = np.asarray(cv2.blur(picture, (3, 3)), dtype=np.uint8)
     patches = Patches.cut(picture, smooth, noise, origin, offset, ring)
     _set_brightness(first, patches, offset)
-    band = np.zeros(ring.shape, dtype=bool)
-    for line in lines:
-        band |= line.lights_up(patches.places_px(), _STRIPE_FOOT * np.abs(first[:, disc.HEIGHT]))
-    seen = patches.without(band)
-    fit = fit_patches(seen, first, disc.evaluate, disc.sound)
+    place, foot = patches.places_px(), _STRIPE_FOOT * np.abs(first[:, disc.HEIGHT])
+    band = lit_by(lines, place, foot)
+    fit = fit_patches(patches.without(band), first, disc.evaluate, disc.sound)
+    seen = [patches.without(lit_by(lines, place, foot, scale)) for scale in SCALES_PX]
     spread = spread_over_scales(picture, seen, fit, disc.evaluate, disc.BLUR)
     by_noise = np.sqrt(np.einsum("nii->ni", fit.covariance))
     edge = ring & (np.abs(disc.inward_px(first, offset.astype(np.float64))) < 2.5)
     sign = -1.0 if dark else 1.0
     radius = outlines.radius_px
     parameters = fit.parameters
+    ground = np.clip(parameters[:, disc.GROUND], 0.0, 255.0)
+    sigma = np.maximum(by_noise, spread)
     return DotCentres(
         centre_px=parameters[:, :2] + origin,
-        sigma_px=np.maximum(by_noise, spread),
+        sigma_px=sigma,
         outlines=disc.outlines(parameters, origin.astype(np.float64)),
-        height=sign * parameters[:, disc.HEIGHT],
-        ground=parameters[:, disc.GROUND],
+        height=np.minimum(sign * parameters[:, disc.HEIGHT], 255.0 - (1.0 - dark) * ground),
+        ground=ground,
         slope=2.0 * radius * np.hypot(parameters[:, disc.GROUND_U], parameters[:, disc.GROUND_V]),
         scatter=fit.scatter,
         hidden=(edge & band).sum(axis=1) / np.maximum(edge.sum(axis=1), 1),
         clipped=(patches.clipped & ring).sum(axis=1) / np.maximum(ring.sum(axis=1), 1),
-        trusted=_trusted(fit, first, sign, by_noise),
+        trusted=_trusted(fit, first, sign, sigma),
     )
 
 
@@ -157,5 +166,5 @@ def _trusted(fit: PatchFit, first: FloatArray, sign: float, sigma: FloatArray) -
         & (np.abs(np.log(size)) < np.log(1.35))
         & (stretch < 3.0)
         & (height > 3.0)
-        & (sigma.max(axis=1) < 0.08 * radius)
+        & (sigma.max(axis=1) < _LARGEST_SIGMA * radius)
     )

@@ -12,7 +12,7 @@ from calib.target import Target
 from calib.target_dots import DotPattern
 from calib.views import View
 
-FEWEST_SEEN = 0.6
+FEWEST_SEEN = 0.5
 """Share of the target's points that must be seen."""
 
 
@@ -43,7 +43,7 @@ def observe_target(
     Raises
     ------
     TargetNotFound
-        If fewer than 60 % of the points are seen, or their numbering is not certain.
+        If fewer than half of the points are seen, or their numbering is not certain.
     ValueError
         If a picture is not 8 bit of shape (H, W), or the two differ in shape.
     """

@@ -1,6 +1,6 @@
 """Least squares on many small windows at once: the centre of a mark, and how well it is known."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -8,6 +8,7 @@ import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import SATURATED_FROM, PixelNoise
+from calib.ridge import Float32Array
 
 Evaluate = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
 """(parameters (N, P), places (K, 2)) -> brightness (N, K), derivatives (N, P, K)
@@ -46,8 +47,8 @@ class Patches:
 
     origin: IntArray
     offset: IntArray
-    samples: FloatArray
-    weight: FloatArray
+    samples: Float32Array
+    weight: Float32Array
     clipped: BoolArray
 
     @classmethod
@@ -83,11 +84,19 @@ class Patches:
         """Return where the pixels are in the picture, shape (N, K, 2)."""
         return (self.origin[:, None, :] + self.offset).astype(np.float64)
 
-    def of(self, other: Picture) -> FloatArray:
-        """Return the same pixels of another picture, shape (N, K)."""
-        u = np.clip(self.origin[:, 0, None] + self.offset[:, 0], 0, other.shape[1] - 1)
-        v = np.clip(self.origin[:, 1, None] + self.offset[:, 1], 0, other.shape[0] - 1)
-        return other[v, u].astype(np.float32)
+    def cut_out(self, picture: Picture) -> tuple[Picture, IntArray]:
+        """Return the part of the picture that holds all windows, and its corner (u, v)."""
+        margin = int(np.abs(self.offset).max()) + 8
+        limit = np.array(picture.shape)[::-1]
+        low = np.clip(self.origin.min(axis=0) - margin, 0, limit - 1)
+        high = np.clip(self.origin.max(axis=0) + margin + 1, low + 1, limit)
+        return picture[low[1] : high[1], low[0] : high[0]], low
+
+    def of(self, part: Float32Array, corner: IntArray) -> Float32Array:
+        """Return the same pixels, shape (N, K), of a picture whose corner is elsewhere."""
+        u = self.origin[:, 0, None] + self.offset[:, 0] - corner[0]
+        v = self.origin[:, 1, None] + self.offset[:, 1] - corner[1]
+        return part[np.clip(v, 0, part.shape[0] - 1), np.clip(u, 0, part.shape[1] - 1)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -164,21 +173,37 @@ def fit_patches(
 
 
 def spread_over_scales(
-    picture: Picture, patches: Patches, fit: PatchFit, evaluate: Evaluate, blur: int
+    picture: Picture,
+    patches: Sequence[Patches],
+    fit: PatchFit,
+    evaluate: Evaluate,
+    blur: int,
 ) -> FloatArray:
     """Return the standard deviation of the centre over Gaussian kernels, shape (N, 2), px.
 
-    From the fit one step is taken in the picture smoothed by each kernel. `blur` is the place
-    of the parameter that a kernel widens.
+    From the fit one step is taken in the picture smoothed by each kernel.
+
+    Parameters
+    ----------
+    picture
+        Shape (H, W).
+    patches
+        For each of `SCALES_PX`, the windows with what is not to be used there.
+    fit, evaluate
+        The fit and its model.
+    blur
+        The place of the parameter that a kernel widens.
     """
     everything = np.arange(len(fit.parameters))
     moves = [np.zeros((everything.size, 2))]
-    for scale in SCALES_PX:
-        smoothed = np.asarray(cv2.GaussianBlur(picture, (0, 0), scale), dtype=np.uint8)
+    part, corner = patches[0].cut_out(picture)
+    for scale, at_scale in zip(SCALES_PX, patches, strict=True):
+        smoothed = cv2.GaussianBlur(part.astype(np.float32), (0, 0), scale)
         start = fit.parameters.copy()
         start[:, blur] = np.hypot(start[:, blur], scale)
+        samples = at_scale.of(np.asarray(smoothed, dtype=np.float32), corner)
         residual, weight, jacobian = _seen(
-            replace(patches, samples=patches.of(smoothed)), start, evaluate, everything
+            replace(at_scale, samples=samples), start, evaluate, everything
         )
         weight = weight * _robust(residual, weight, _scatter(residual, weight))
         moves.append(_step(_normal(jacobian, weight), jacobian, weight * residual)[:, :2])

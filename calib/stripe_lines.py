@@ -1,5 +1,6 @@
 """Which ridge points lie on a common line across the board: the stripe, or what looks like it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +12,13 @@ _DRAWS = 300
 _START_TOLERANCE_PX = 4.0  # what distortion bends a line by across a target
 _TOLERANCE_PX = 0.8
 _TOLERANCE_SIGMAS = 5.0
+_MOST_BENT = 0.004
+_LARGEST_SIGMA_PX = 1.0
 _ALIKE = 0.94  # cosine between a point's normal and its line's
 _FEWEST_POINTS = 12
 _BIN_PX = 16.0
 _MOST_LINES = 4
+_LEAST_EVIDENCE = 0.4  # of the best: glare on a brushed surface makes short lines
 _WIDEST_FOOT = 4.0  # in widths of the stripe
 
 
@@ -55,10 +59,24 @@ class StripeLine:
         along, aside = _split(points_px - self.origin_px, self.direction)
         return aside - _bent(self.bend, along)
 
-    def lights_up(self, points_px: FloatArray, level: FloatArray) -> BoolArray:
-        """Return which points, shape (N, K, 2), it lights up by more than N levels, counts."""
-        widths = np.sqrt(2.0 * np.log(np.maximum(self.peak / np.maximum(level, 1.0), 1.5)))
-        half = 1.0 + self.width_px * np.minimum(widths, _WIDEST_FOOT)
+    def lights_up(
+        self, points_px: FloatArray, level: FloatArray, blur_px: float = 0.0
+    ) -> BoolArray:
+        """Return which points it lights up by more than a level.
+
+        Parameters
+        ----------
+        points_px
+            Shape (N, K, 2).
+        level
+            Shape (N,), counts.
+        blur_px
+            Kernel that the picture is smoothed by.
+        """
+        width = float(np.hypot(self.width_px, blur_px))
+        peak = self.peak * self.width_px / width
+        widths = np.sqrt(2.0 * np.log(np.maximum(peak / np.maximum(level, 1.0), 1.5)))
+        half = 1.0 + width * np.minimum(widths, _WIDEST_FOOT)
         return np.asarray(np.abs(self.across_px(points_px)) < half[:, None])
 
     @property
@@ -70,6 +88,16 @@ class StripeLine:
     def evidence(self) -> float:
         """How much it looks like the laser's: long, without gaps, of even width."""
         return self.length_px * self.coverage / (1.0 + 2.0 * self.unevenness)
+
+
+def lit_by(
+    lines: Sequence[StripeLine], points_px: FloatArray, level: FloatArray, blur_px: float = 0.0
+) -> BoolArray:
+    """Return which points any of some lines lights up; as `StripeLine.lights_up`."""
+    lit = np.zeros(points_px.shape[:2], dtype=bool)
+    for line in lines:
+        lit |= line.lights_up(points_px, level, blur_px)
+    return lit
 
 
 def find_lines(points: StripePoints, usable: BoolArray, least_length_px: float) -> list[StripeLine]:
@@ -85,7 +113,7 @@ def find_lines(points: StripePoints, usable: BoolArray, least_length_px: float) 
         Shorter lines are left out.
     """
     rng = np.random.default_rng(0)
-    left = np.flatnonzero(usable)
+    left = np.flatnonzero(usable & (points.sigma_px < _LARGEST_SIGMA_PX))
     lines: list[StripeLine] = []
     for _ in range(_MOST_LINES):
         line = _best_line(points, left, rng)
@@ -95,7 +123,8 @@ def find_lines(points: StripePoints, usable: BoolArray, least_length_px: float) 
             lines.append(line)
         near = np.abs(line.across_px(points.centre_px[left])) < 2.0 * _START_TOLERANCE_PX
         left = left[~near]
-    return sorted(lines, key=lambda line: -line.evidence)
+    lines.sort(key=lambda line: -line.evidence)
+    return [line for line in lines if line.evidence >= _LEAST_EVIDENCE * lines[0].evidence]
 
 
 def _best_line(
@@ -138,7 +167,7 @@ def _refined(
         near = np.abs(off) < limit
         if near.sum() < _FEWEST_POINTS:
             return None
-        bend = _parabola(along[near] / reach, aside[near], np.maximum(sigma[near], 0.05))
+        bend = _parabola(along[near] / reach, aside[near], np.maximum(sigma[near], 0.05), reach)
         bend = bend / np.array([1.0, reach, reach**2])
     straight = np.abs(points.normal[left] @ np.array([-direction[1], direction[0]])) > _ALIKE
     near &= straight
@@ -147,13 +176,18 @@ def _refined(
     return _described(points, left[near], along[near], (origin, direction, bend))
 
 
-def _parabola(along: FloatArray, aside: FloatArray, sigma: FloatArray) -> FloatArray:
-    """Fit robustly by reweighting."""
+def _parabola(
+    along: FloatArray, aside: FloatArray, sigma: FloatArray, reach: float
+) -> FloatArray:
+    """Fit robustly by reweighting; `along` is in units of `reach`, px."""
     design = np.column_stack([np.ones_like(along), along, along**2])
     weight = 1.0 / sigma
     bend = np.zeros(3)
+    # A lens bends a line by no more than this share of its length.
+    stiff = np.array([[0.0, 0.0, 0.25 / (_MOST_BENT * reach)]])
     for _ in range(4):
-        bend = np.linalg.lstsq(design * weight[:, None], aside * weight)[0]
+        system = np.concatenate([design * weight[:, None], stiff])
+        bend = np.linalg.lstsq(system, np.append(aside * weight, 0.0))[0]
         off = (aside - design @ bend) / sigma
         scale = max(float(np.median(np.abs(off))) / 0.6745, 0.5)
         weight = 1.0 / sigma / (1.0 + (off / (2.0 * scale)) ** 2)

@@ -1,32 +1,29 @@
-"""Taking back what blur does to a stripe that bends: it is drawn to the inside of the bend."""
-
-from dataclasses import replace
+"""What blur does to a stripe that bends: it is drawn to the inside of the bend."""
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from calib import FloatArray, StripePoints, kernel_of
 
-_NEIGHBOURS = 33
+_NEIGHBOURS = 21
 _REACH_PX = 20.0
 _SAME_WAY = 0.8
 _MIN_POINTS = 40
 _ROUNDS = 5
 
 
-def unbend(stripe: StripePoints) -> StripePoints:
-    r"""Return the stripe with its centres moved back to the outside of its bends.
+def bend_px(stripe: StripePoints) -> FloatArray:
+    r"""Return how far bends have drawn the stripe's centres along their normals, px.
 
     Parameters
     ----------
     stripe
-        As `calib.locate_stripe` gives it, in any order. On the straight stripes of flat targets
-        nothing is changed.
+        As `calib.locate_stripe` gives it, in any order.
 
     Returns
     -------
-    StripePoints
-        The same points, their centres moved along their normals.
+    drawn_px
+        Shape (N,): to be taken off; zero on the straight stripes of flat targets.
 
     Notes
     -----
@@ -42,10 +39,9 @@ def unbend(stripe: StripePoints) -> StripePoints:
     detector's own kernel adds its variance.
     """
     if len(stripe) < _MIN_POINTS:
-        return stripe
+        return np.zeros(len(stripe))
     along = _spread_along(stripe) + kernel_of(stripe.width_px) ** 2
-    inwards = _curvature(stripe) * along / 2.0
-    return replace(stripe, centre_px=stripe.centre_px - inwards[:, None] * stripe.normal)
+    return _curvature(stripe) * along / 2.0
 
 
 def _curvature(stripe: StripePoints) -> FloatArray:

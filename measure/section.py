@@ -1,6 +1,6 @@
 """From the sheet to a section of the wheel: axial place a and distance r from the axle, mm."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -14,6 +14,7 @@ from calib import (
     StripePoints,
     frozen,
 )
+from measure.bend import bend_px
 from measure.mounting import Mounting
 
 
@@ -105,6 +106,8 @@ class SheetPoints:
     across_mm, along_mm
         Shape (N, 3): motion of the point for one sigma across the stripe, and for one pixel
         along it.
+    bend_mm
+        Shape (N, 3): how far the bend of the stripe had drawn the point; it is taken off.
     by_sensor
         Shape (N, 3, 13): motion of the point by the sensor's parameters.
     """
@@ -113,6 +116,7 @@ class SheetPoints:
     points_in_cam_mm: FloatArray
     across_mm: FloatArray
     along_mm: FloatArray
+    bend_mm: FloatArray
     by_sensor: FloatArray
 
     def __len__(self) -> int:
@@ -121,14 +125,22 @@ class SheetPoints:
     @classmethod
     def of(cls, stripe: StripePoints, sensor: LaserSensor) -> "SheetPoints":
         """Locate the points of a stripe; pixels whose ray misses the sheet are left out."""
-        points = sensor.locate(stripe.centre_px)
+        drawn_px = bend_px(stripe)
+        straight = replace(stripe, centre_px=stripe.centre_px - drawn_px[:, None] * stripe.normal)
+        points = sensor.locate(straight.centre_px)
         hit = np.flatnonzero(np.isfinite(points).all(axis=1))
-        seen = stripe.select(hit)
+        seen = straight.select(hit)
         by_pixel, by_sensor = sensor.location_jacobians(seen.centre_px)
         tangent = seen.normal[:, ::-1] * [-1.0, 1.0]
-        across = (by_pixel @ seen.normal[:, :, None])[:, :, 0] * seen.sigma_px[:, None]
-        along = (by_pixel @ tangent[:, :, None])[:, :, 0]
-        return cls(seen, points[hit], across, along, by_sensor)
+        across = (by_pixel @ seen.normal[:, :, None])[:, :, 0]
+        return cls(
+            stripe=seen,
+            points_in_cam_mm=points[hit],
+            across_mm=across * seen.sigma_px[:, None],
+            along_mm=(by_pixel @ tangent[:, :, None])[:, :, 0],
+            bend_mm=across * drawn_px[hit, None],
+            by_sensor=by_sensor,
+        )
 
     def select(self, keep: IntArray) -> "SheetPoints":
         """Return the points that an index array picks."""
@@ -137,6 +149,7 @@ class SheetPoints:
             self.points_in_cam_mm[keep],
             self.across_mm[keep],
             self.along_mm[keep],
+            self.bend_mm[keep],
             self.by_sensor[keep],
         )
 

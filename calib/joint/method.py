@@ -79,7 +79,7 @@ def report_of(problem: Problem, solution: Solution, role: CameraRole) -> SolveRe
     return SolveReport(
         termination=Termination.CONVERGED,
         iterations=solution.iterations,
-        cost=solution.equations.cost,
+        cost=solution.cost,
         sigma_scale_dots=solution.dots_mixture.scale,
         sigma_scale_stripe=solution.stripe_mixture.scale if striped else 0.0,
         outlier_fraction_dots=solution.dots_mixture.share,

@@ -22,6 +22,8 @@ _LEAST_SHARE, _MOST_SHARE = 1e-3, 0.5
 # No point of a picture is believed more exactly than this, even in data without noise: beside
 # points of half a pixel, weights a million times theirs would drown them in rounding.
 _LEAST_SIGMA_PX = 1e-3
+# A view none of whose points are believed must still have a pose, if a poor one.
+_LEAST_WEIGHT = 1e-8
 # Huber's turn from square to straight, in standard deviations.
 _HUBER = 1.5
 # Median of the squared length of a standard normal vector of 1 and 2 dimensions.
@@ -81,8 +83,9 @@ class Mixture:
         dimensions = residual.shape[1]
         normal = (1.0 - self.share) * (2.0 * np.pi) ** (-dimensions / 2.0)
         box = self.share * (2.0 * _REACH) ** -dimensions
-        # Beyond exp(-300) nothing is left of a weight, and the exponential would overflow.
-        return np.asarray(1.0 / (1.0 + box / normal * np.exp(np.minimum(square / 2.0, 300.0))))
+        # The exponential would overflow.
+        odds = box / normal * np.exp(np.minimum(square / 2.0, 300.0))
+        return np.asarray(np.maximum(1.0 / (1.0 + odds), _LEAST_WEIGHT))
 
     def believed(self, residual: FloatArray) -> BoolArray:
         """Tell which points are more likely good than not, shape (N,)."""

@@ -69,9 +69,12 @@ class Solution:
         Residuals and Jacobian there.
     dots_mixture, stripe_mixture
         How the points scatter.
-    equations, covariance
-        The normal equations, and their inverse: the covariance of poses and global parameters,
-        scaled by the scatter seen.
+    dots_equations
+        Normal equations of the dots alone.
+    covariance
+        Of poses and global parameters, scaled by the scatter seen.
+    cost
+        Half the weighted sum of squares.
     iterations
         Steps taken.
     """
@@ -81,8 +84,9 @@ class Solution:
     stripe: Linear
     dots_mixture: Mixture
     stripe_mixture: Mixture
-    equations: NormalEquations
+    dots_equations: NormalEquations
     covariance: ArrowCovariance
+    cost: float
     iterations: int
 
 
@@ -301,14 +305,15 @@ def _undetermined(error: np.linalg.LinAlgError) -> NotConverged:
 
 
 def _solution(problem: Problem, place: _Place, belief: _Belief, iterations: int) -> Solution:
-    total = belief.equations(problem, place)[2]
+    dots, _, total = belief.equations(problem, place)
     return Solution(
         estimate=place.estimate,
         dots=place.dots,
         stripe=place.stripe,
         dots_mixture=belief.dots,
         stripe_mixture=belief.stripe,
-        equations=total,
+        dots_equations=dots,
         covariance=_covariance(total),
+        cost=total.cost,
         iterations=iterations,
     )

@@ -8,6 +8,7 @@ import structlog
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from station.api.guard import OPEN
 from station.api.metrics import Metrics
 
 _log = structlog.get_logger()
@@ -53,6 +54,8 @@ class Watch:
         # An address that no route knows is counted as one: names from outside never become labels.
         route = getattr(scope.get("route"), "path", "unknown")
         self._metrics.count(scope["method"], route, status, seconds)
+        if scope["path"] in OPEN:  # asked by probes every second
+            return
         _log.info(
             "answered",
             method=scope["method"],

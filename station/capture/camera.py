@@ -5,6 +5,7 @@ from collections.abc import Generator, Iterable
 from typing import Any
 
 from station.capture.aravis import Aravis, GLib
+from station.capture.open_stream import open_stream
 from station.capture.plan import Trigger
 from station.capture.ring import Ring
 from station.capture.stream import FrameStream
@@ -60,12 +61,10 @@ class Camera:
         """Begin to acquire into the free slots of the ring."""
         with self._talking():
             self._set_trigger(trigger)
-            self._camera.gv_set_stream_options(Aravis.GvStreamOption.PACKET_SOCKET_DISABLED)
-            stream = self._camera.create_stream(None, None)
-            import sys; from station.capture.receive_buffer import enlarge_receive_buffer; print("RCVBUF",enlarge_receive_buffer(stream.get_port()),file=sys.stderr)
-            if stream is None:
+            opened = open_stream(self._camera)
+            if opened is None:
                 raise CameraError(f"camera {self._settings.address} gives no stream; open it again")
-            frames = FrameStream(stream, ring, self.payload_bytes)
+            frames = FrameStream(opened, ring, self.payload_bytes)
             for slot in free_slots:
                 frames.lend(slot)
             self._camera.start_acquisition()

@@ -38,6 +38,8 @@ class Intake:
         """When the last frame came."""
         self.failure: StationError | None = None
         """Why nothing more is written."""
+        self.receiving: dict[str, str] = {}
+        """How packets are received."""
         self._link = link
         self._limit = limit
         self._free = set(slots)
@@ -64,6 +66,10 @@ class Intake:
     def attach(self, stream: FrameStream, clock: CameraClock) -> None:
         """Take frames from a stream that all free slots were lent to."""
         self._stream, self._clock = stream, clock
+        self.receiving = {
+            "receive_method": stream.method,
+            "receive_buffer_bytes": str(stream.buffer_bytes),
+        }
         self._underruns = 0
         self._free.clear()
         self.heard_s = time.monotonic()

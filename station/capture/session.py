@@ -136,7 +136,7 @@ class CaptureSession:
     def _close_file(self, report: CaptureReport) -> None:
         counts = report.to_json()
         names = ("triggered", "recorded", "lost", "refused", "repeated", "complete")
-        accounting = {name: str(counts[name]) for name in names}
+        accounting = {name: str(counts[name]) for name in names} | self.intake.receiving
         try:
             self._link.finish(accounting)
         except RecorderDied:

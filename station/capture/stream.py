@@ -5,14 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from station.capture.aravis import Aravis
+from station.capture.open_stream import OpenStream
 from station.capture.ring import Ring
 
-_FRAME_RETENTION_US = 5_000_000
-"""With its default of 0.1 s Aravis 0.8.26 gives up the first frame after a pause."""
-
-_REQUEST_RATIO = 1.0
-"""A receiver held up by others can miss most of a frame; with its default Aravis would ask for a
-quarter of the packets, give up, and let the frame block those behind it until it is too old."""
 _NO_ID = 0
 """No frame has it.  A frame whose first packet is lost keeps the id its buffer had before."""
 
@@ -41,10 +36,12 @@ class FrameStream:
     very thread that must empty the socket.
     """
 
-    def __init__(self, stream: Any, ring: Ring, payload_bytes: int) -> None:
-        stream.set_property("frame-retention", _FRAME_RETENTION_US)
-        stream.set_property("packet-request-ratio", _REQUEST_RATIO)
-        self._stream = stream
+    def __init__(self, opened: OpenStream, ring: Ring, payload_bytes: int) -> None:
+        self._stream = opened.stream
+        self.method = opened.method
+        """How packets are received."""
+        self.buffer_bytes = opened.buffer_bytes
+        """Room in the kernel for packets that wait."""
         self._buffers = {
             slot: Aravis.Buffer.new(payload_bytes, ring.address(slot)) for slot in range(ring.slots)
         }

@@ -55,6 +55,7 @@ class Child:
         self.handle = self.spawn()
         self.pidfd = None if self.handle.pid is None else os.pidfd_open(self.handle.pid)
         self._changed_s = self.clock()
+        _log.info("started", child=self.name, pid=self.handle.pid)
 
     def due_s(self) -> float | None:
         """Return in how many seconds to start it again; None where it runs."""
@@ -70,7 +71,6 @@ class Child:
         elif self.due_s() == 0.0:
             self.restarts += 1
             self.start()
-            _log.info("started again", child=self.name, restarts=self.restarts)
 
     def _note_end(self, exitcode: int) -> None:
         ran_s = self.clock() - self._changed_s

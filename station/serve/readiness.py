@@ -11,7 +11,7 @@ import structlog
 
 from station.serve.signals import StopSignal
 
-_LOOK_EVERY_S = 0.1
+_LOOK_EVERY_S = 0.2
 _LOOK_LASTS_S = 2.0
 _COMPLAIN_EVERY_S = 10.0
 _log = structlog.get_logger()

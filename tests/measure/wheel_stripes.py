@@ -4,10 +4,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from calib import CameraModel, Cause, LaserSensor, LightPlane, RigidTransform, StripePoints
+from scipy.ndimage import gaussian_filter1d
+
+from calib import (
+    CameraModel,
+    Cause,
+    LaserSensor,
+    LightPlane,
+    RigidTransform,
+    StripePoints,
+    kernel_of,
+)
 from measure import Mounting, reference_profile
 
 RADIUS_MM = 420.0
+WIDTH_PX = 1.2
 AXLE_AT_REST_MM = np.array([0.0, 0.0, RADIUS_MM])
 _PARAMETERS = (2315.0, 2312.0, 1004.0, 555.0, -0.1267, 0.1204, 0.0, 0.0, 0.0)
 
@@ -137,11 +148,26 @@ def points_along(pixels, inside, rng, sigma_px, spacing_px):
     tangent = np.gradient(pixels, axis=0)[chosen]
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
     normal = tangent[:, ::-1] * [1.0, -1.0]
-    centre = pixels[chosen].copy()
+    # Blur draws a stripe to the inside of its bends, by curvature times variance / 2: that of the
+    # stripe, alike in all directions here, and that of the detector's kernel.
+    variance = WIDTH_PX**2 + kernel_of(np.array([WIDTH_PX]))[0] ** 2
+    curvature = curvature_towards_normal(pixels, length)[chosen]
+    centre = pixels[chosen] + normal * curvature[:, None] * variance / 2.0
     if rng is not None:
         centre += normal * rng.normal(0.0, sigma_px, (len(centre), 1))
     visible = inside[chosen]
     return make_stripe(centre[visible], normal[visible], sigma_px)
+
+
+def curvature_towards_normal(pixels, length):
+    """Of a fine, exact curve; smoothed over a pixel either side, as the blur itself would."""
+    even = np.arange(0.0, length[-1], 0.25)
+    u, v = (np.interp(even, length, column) for column in pixels.T)
+    smooth = [gaussian_filter1d(c, 1.5 / 0.25, mode="nearest") for c in (u, v)]
+    du, dv = (np.gradient(c, 0.25) for c in smooth)
+    ddu, ddv = np.gradient(du, 0.25), np.gradient(dv, 0.25)
+    bend = (ddu * dv - ddv * du) / np.hypot(du, dv) ** 3
+    return np.interp(length, even, bend)
 
 
 def make_stripe(centre, normal, sigma_px=0.05):
@@ -150,7 +176,7 @@ def make_stripe(centre, normal, sigma_px=0.05):
         centre_px=centre.reshape(-1, 2),
         normal=normal.reshape(-1, 2),
         sigma_px=np.full(count, sigma_px),
-        width_px=np.full(count, 2.0),
+        width_px=np.full(count, WIDTH_PX),
         peak=np.full(count, 150.0),
         saturated=np.zeros(count, dtype=bool),
         cause=(Cause.NONE,) * count,

@@ -13,6 +13,10 @@ with warnings.catch_warnings():
     from gi.repository import Aravis
 
 
+_TRIES = 200
+_BLOCK_S = 0.02  # packets reach Aravis in blocks, after 5 ms at the latest
+
+
 @dataclass(frozen=True)
 class Received:
     frame_id: int
@@ -36,9 +40,10 @@ class Receiver:
         return self.camera.get_device()
 
     def __enter__(self):
-        self._stream = self.camera.create_stream(None, None)
-        self._stream.set_property("socket-buffer", Aravis.GvStreamSocketBuffer.AUTO)
+        self._stream = self._open_stream()
         self._stream.set_property("frame-retention", 5_000_000)
+        # A receiver that was not given the processor for a while misses most of a frame.
+        self._stream.set_property("packet-request-ratio", 1.0)
         for _ in range(self._buffers):
             self._stream.push_buffer(Aravis.Buffer.new_allocate(self.camera.get_payload()))
         self.camera.start_acquisition()
@@ -52,6 +57,22 @@ class Receiver:
         """Give the camera back: Aravis does when nobody refers to it any more."""
         self._stream = None
         self.camera = None
+
+    def _open_stream(self):
+        """Return a stream that has seen no packets of other cameras.
+
+        Aravis 0.8.26 opens its packet socket for everything on every interface, and tells it
+        what to let through some milliseconds later. What other cameras send in between is
+        taken for packets of this one: its first frames then seem late and are ignored, or get
+        the pixels of another camera under the same number.
+        """
+        for _ in range(_TRIES):
+            stream = self.camera.create_stream(None, None)
+            time.sleep(_BLOCK_S)
+            if stream.get_info_uint64_by_name("n_received_packets") == 0:
+                return stream
+            del stream
+        raise TimeoutError("other cameras send so much that no stream can be opened cleanly")
 
     def next(self, timeout_s=3.0):
         """Return the next frame, or None where none comes in time."""

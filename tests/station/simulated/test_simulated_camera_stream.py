@@ -131,6 +131,7 @@ def test_two_cameras_stream_at_once():
         second.close()
     assert_identical([frame for frame, _ in pairs])
     for _, frame in pairs:
+        assert frame.whole
         assert frame.data == other_pictures[(frame.frame_id - 1) % 3].tobytes()
 
 

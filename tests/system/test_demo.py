@@ -1,0 +1,103 @@
+"""The main job, whole: simulated cameras, Aravis, recordings, calibrations, readings, the API.
+
+It does not show accuracy in every light; `test_lights.py` beside it does.
+"""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+QUANTITIES = ("tread_wear", "flange_thickness_10", "flange_thickness_12")
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    return tmp_path_factory.mktemp("demo") / "kept"
+
+
+@pytest.fixture(scope="module")
+def demo(kept):
+    command = [sys.executable, "-m", "station", "demo", "--out", str(kept), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    log = kept / "station.log"
+    assert done.returncode == 0, done.stderr + (log.read_text() if log.exists() else "")
+    return json.loads(done.stdout)
+
+
+def test_no_frame_is_lost(demo):
+    assert [account["lost"] for account in demo["frames"]] == [0] * 4
+    assert all(account["recorded"] == account["triggered"] > 0 for account in demo["frames"])
+
+
+def test_every_wheel_is_measured_by_every_method(demo):
+    assert {wheel["reason"] for wheel in demo["wheels"]} == {None}
+    for method in {plane["method"] for plane in demo["planes"]}:
+        assert len([wheel for wheel in demo["wheels"] if wheel["method"] == method]) == 8
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_readings_are_within_a_tenth_of_a_millimetre_of_the_truth(demo, quantity):
+    # What a type-4 wheel gauge is trusted with.
+    assert demo["rms_mm"]["joint"][quantity] <= 0.10
+
+
+def test_joint_plane_is_nearer_the_truth_than_the_preplanar_one(demo):
+    error = {(p["sensor"], p["method"]): p["sheet_rms_mm"] for p in demo["planes"]}
+    for sensor in {sensor for sensor, _ in error}:
+        assert error[sensor, "joint"] < error[sensor, "preplanar"]
+
+
+def test_recordings_open_with_the_mcap_library_alone(demo, kept):
+    recordings = sorted(kept.rglob("*.mcap"))
+    assert len(recordings) == 4
+    for path in recordings:
+        with path.open("rb") as stream:
+            reader = make_reader(stream, validate_crcs=True)
+            topics = {channel.topic for channel in reader.get_summary().channels.values()}
+            frames = sum(1 for _ in reader.iter_messages(topics=[f"/{path.stem}/image"]))
+        assert f"/{path.stem}/image" in topics
+        assert frames in {20, 12}
+
+
+def test_measuring_the_recording_again_gives_the_same_readings_bit_for_bit(demo, kept, tmp_path):
+    recording = next(path for path in kept.rglob("*.mcap") if "passes" in path.parts)
+    calibration = kept / f"calibration-{recording.stem}-joint.json"
+    out = tmp_path / "results.json"
+    command = ["measure", str(recording), "--calibration", str(calibration), "--out", str(out)]
+    subprocess.run([sys.executable, "-m", "station", *command], check=True, capture_output=True)
+    again = [wheel["tread_wear"]["value"] for wheel in json.loads(out.read_text())["wheels"]]
+    live = [
+        wheel["read"]["tread_wear"]
+        for wheel in demo["wheels"]
+        if wheel["sensor"] == recording.stem and wheel["method"] == "joint"
+    ]
+    assert again == live
+
+
+def test_folder_in_use_is_refused(demo, kept):
+    command = [sys.executable, "-m", "station", "demo", "--out", str(kept)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert "not empty" in done.stderr
+
+
+def test_nothing_is_left_running_or_lying_about(demo, kept):
+    assert not _processes_running_on(kept)
+    assert not list(Path("/dev/shm").glob("treadline*"))
+
+
+def _processes_running_on(folder):
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                command = (entry / "cmdline").read_bytes()
+            except OSError:
+                continue
+            if str(folder).encode() in command:
+                found.append(entry.name)
+    return found
