@@ -71,8 +71,9 @@ def solve_camera(views: Sequence[View], target: Target, *, width: int, height: i
         Layout(_BASIC, plane=False),
         prior=None,
         stripe_in=np.zeros(len(bare), dtype=bool),
+        on_line=np.zeros(0, dtype=bool),
     )
-    solution = solve(problem, Estimate.start(camera, None, poses))
+    solution = solve(problem, Estimate.start(camera, None, poses), near=False)
     problem, solution = _with_supported_terms(problem, solution)
     answer = camera_of(solution, problem.layout, camera)
     report = report_of(problem, solution, CameraRole.ESTIMATED)
@@ -91,7 +92,7 @@ def _with_supported_terms(problem: Problem, solution: Solution) -> tuple[Problem
         layout = Layout(tuple(sorted({*problem.layout.camera, *extra})), plane=False)
         if _is_supported(problem, solution, layout, len(names)):
             problem = replace(problem, layout=layout)
-            solution = solve(problem, solution.estimate)
+            solution = solve(problem, solution.estimate, near=True)
     return problem, solution
 
 

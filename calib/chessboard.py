@@ -74,8 +74,8 @@ class CornerPattern:
         SeenTarget or None
             None where the numbering is not certain.
         """
-        empty = self.lattice.empty_nodes(target.rows, target.cols)
-        node = np.concatenate([self.lattice.node, empty])
+        mine, empty = self.lattice.within_target(target.rows, target.cols)
+        node = np.concatenate([self.lattice.node[mine], empty])
         corners = measure_corners(picture, noise, self.lattice, node, lines)
         keep = corners.trusted
         numbering = number(
@@ -190,7 +190,7 @@ def measure_corners(
     fit = fit_patches(patches.without(band), first, saddle.evaluate, saddle.sound)
     seen = [patches.without(lit_by(lines, place, foot, scale)) for scale in SCALES_PX]
     spread = spread_over_scales(picture, seen, fit, saddle.evaluate, saddle.BLUR)
-    by_noise = np.sqrt(np.einsum("nii->ni", fit.covariance))
+    by_noise = fit.sigma_px
     hidden = band.mean(axis=1)
     clipped = patches.clipped.mean(axis=1)
     height = np.abs(fit.parameters[:, saddle.HEIGHT])

@@ -112,7 +112,7 @@ def measure_dots(
     fit = fit_patches(patches.without(band), first, disc.evaluate, disc.sound)
     seen = [patches.without(lit_by(lines, place, foot, scale)) for scale in SCALES_PX]
     spread = spread_over_scales(picture, seen, fit, disc.evaluate, disc.BLUR)
-    by_noise = np.sqrt(np.einsum("nii->ni", fit.covariance))
+    by_noise = fit.sigma_px
     edge = ring & (np.abs(disc.inward_px(first, offset.astype(np.float64))) < 2.5)
     sign = -1.0 if dark else 1.0
     radius = outlines.radius_px

@@ -59,8 +59,27 @@ class Lattice:
         missing = upright if upright.sum() <= turned.sum() else turned
         return low - missing, high + missing
 
-    def empty_nodes(self, rows: int, cols: int) -> IntArray:
-        """Return the nodes within the extent at which no point is known, shape (M, 2)."""
+    def within_target(self, rows: int, cols: int) -> tuple[BoolArray, IntArray]:
+        """Return which points may be the target's, and the nodes where more of it may be.
+
+        Where the numbering is certain already, these are the target's own nodes; else all
+        within the extent.
+
+        Returns
+        -------
+        mine
+            Shape (N,).
+        empty
+            Shape (M, 2), nodes at which no point is known.
+        """
+        numbering = number(self.node, self.picture_from_node, rows, cols)
+        mine, empty = np.ones(len(self), dtype=bool), self._empty_nodes(rows, cols)
+        if numbering is None:
+            return mine, empty
+        mine = inside_target(numbering.rows_and_cols(self.node), rows, cols)
+        return mine, empty[inside_target(numbering.rows_and_cols(empty), rows, cols)]
+
+    def _empty_nodes(self, rows: int, cols: int) -> IntArray:
         low, high = self.extent(rows, cols)
         u, v = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
         taken = set(map(tuple, self.node.tolist()))
@@ -216,23 +235,24 @@ def _checked(
 
 
 def _unsheared(node: IntArray) -> IntArray:
-    """Return lattice coordinates in the basis that makes the box around them smallest.
+    """Return lattice coordinates in the basis in which they fill a box best.
 
-    Seen at an angle, a diagonal may look like the step to a neighbour. The points of a target
-    fill a box in their own basis alone.
+    Seen at an angle, a diagonal may look like the step to a neighbour. Of all sheared bases the
+    target's own has the smallest product of variances: in it alone rows and columns are
+    independent.
     """
     shears = [np.array([[1, k], [0, 1]]) for k in (-1, 1)]
     shears += [shear.T for shear in shears]
     while True:
         options = [node @ shear for shear in shears]
-        smallest = min(options, key=_box_size)
-        if _box_size(smallest) >= _box_size(node):
+        smallest = min(options, key=_spread)
+        if _spread(smallest) >= _spread(node):
             return node
         node = smallest
 
 
-def _box_size(node: IntArray) -> int:
-    return int(np.prod(np.ptp(node, axis=0) + 1))
+def _spread(node: IntArray) -> float:
+    return float(np.prod(node.var(axis=0)))
 
 
 def _pitch_px(points_px: FloatArray, found: dict[Node, int]) -> float:
@@ -390,8 +410,8 @@ def agreeing(
         Shape (3, 3).
     agree
         Shape (N,). A lens bends a target by up to some pixels: smoothly, as a polynomial of the
-        third degree follows. What is off by more than that is no point of the target, or one
-        that light has displaced by more than its sigma.
+        third degree follows. What is off by more than that, by its own sigma and by what is
+        usual in the picture, is no point of the target, or one that light has displaced.
     """
     homography, near = cv2.findHomography(
         place.astype(np.float64), centre_px, cv2.RANSAC, _FARTHEST_OFF_PX
@@ -408,4 +428,6 @@ def agreeing(
         rest = np.linalg.norm(off - bend @ shape, axis=1)
         limit = np.maximum(_NEAREST_OFF_PX, 3.0 * sigma_px.max(axis=1))
         weight = agree / limit / (1.0 + (rest / limit) ** 2)
-    return homography, agree & (rest <= np.maximum(_FAR_OFF_PX, _FAR_OFF_SIGMAS * sigma_px.max(1)))
+    usual = float(np.median(rest[agree])) / 1.1774  # the median of two normal parts, as a sigma
+    limit = np.maximum(_FAR_OFF_PX, _FAR_OFF_SIGMAS * np.maximum(sigma_px.max(axis=1), usual))
+    return homography, agree & (rest <= limit)

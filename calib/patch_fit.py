@@ -17,7 +17,7 @@ It computes in the precision of its parameters; single is enough for a step and 
 Sound = Callable[[FloatArray, FloatArray], FloatArray]
 """(parameters after a step, before) -> parameters that make sense"""
 
-SCALES_PX = (1.0, 2.0)
+SCALES_PX = (1.0, 2.0, 3.5)
 """Gaussian kernels of the multi-scale spread, besides the picture as it is."""
 
 _TOLERANCE_PX = 2e-4
@@ -119,6 +119,12 @@ class PatchFit:
     covariance: FloatArray
     scatter: FloatArray
     converged: BoolArray
+
+    @property
+    def sigma_px(self) -> FloatArray:
+        """Standard deviation of the centre, shape (N, 2); infinite where nothing tells it."""
+        variance = np.einsum("nii->ni", self.covariance)
+        return np.sqrt(np.where(variance > 0.0, variance, np.inf))
 
 
 def fit_patches(

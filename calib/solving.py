@@ -1,17 +1,19 @@
 """What every method is given, and what it gives back: one interface for all of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray
 from calib.calibration import CameraRole, SolveReport
 from calib.camera import CameraModel
+from calib.joint.parameters import Estimate, Layout
+from calib.joint.solve import Problem, solve
 from calib.observations import Observations
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
-from calib.start import has_stripe, start_plane, start_pose, stripe_in_space
+from calib.start import has_stripe, start_plane, start_pose, stripe_line
 from calib.target import Target
 from calib.views import View
 
@@ -27,11 +29,13 @@ class Prepared:
     camera, role
         The camera, and what may be done with it. Its free parameters are those with a variance.
     poses
-        First cam_from_board of each view.
+        cam_from_board of each view, by its dots alone.
     plane
         A first light plane.
     stripe_in
         Shape (M,), the views with a stripe that agrees with it.
+    on_line
+        Shape (N,), the stripe points that lie on the line of their own view's stripe.
     """
 
     views: tuple[View, ...]
@@ -42,6 +46,7 @@ class Prepared:
     poses: tuple[RigidTransform, ...]
     plane: LightPlane
     stripe_in: BoolArray
+    on_line: BoolArray
 
     @classmethod
     def of(
@@ -61,18 +66,46 @@ class Prepared:
         Degenerate
             If the stripes do not single out a plane.
         """
-        poses = tuple(start_pose(view, target, camera) for view in views)
-        striped = [index for index, view in enumerate(views) if has_stripe(view)]
-        ends = [
-            stripe_in_space(stripe, camera, poses[index])
-            for index in striped
-            if (stripe := views[index].stripe) is not None
-        ]
-        first = start_plane(np.array(ends))
-        stripe_in = np.zeros(len(views), dtype=bool)
-        stripe_in[striped] = first.agreeing
         observations = Observations.of(views, target)
-        return cls(tuple(views), target, observations, camera, role, poses, first.plane, stripe_in)
+        poses = _poses(views, target, camera)
+        lines = {
+            index: stripe_line(view.stripe, camera, poses[index])
+            for index, view in enumerate(views)
+            if view.stripe is not None and has_stripe(view)
+        }
+        first = start_plane(np.array([line.ends_mm for line in lines.values()]))
+        stripe_in = np.zeros(len(views), dtype=bool)
+        stripe_in[list(lines)] = first.agreeing
+        on_line = np.zeros(len(observations.stripe), dtype=bool)
+        for index, line in lines.items():
+            on_line[observations.stripe.view == index] = line.agreeing
+        return cls(
+            views=tuple(views),
+            target=target,
+            observations=observations,
+            camera=camera,
+            role=role,
+            poses=poses,
+            plane=first.plane,
+            stripe_in=stripe_in,
+            on_line=on_line,
+        )
+
+
+def _poses(
+    views: Sequence[View], target: Target, camera: CameraModel
+) -> tuple[RigidTransform, ...]:
+    """Return the most likely poses by the dots alone, the camera held."""
+    bare = [replace(view, stripe=None) for view in views]
+    problem = Problem(
+        Observations.of(bare, target),
+        Layout((), plane=False),
+        prior=None,
+        stripe_in=np.zeros(len(bare), dtype=bool),
+        on_line=np.zeros(0, dtype=bool),
+    )
+    first = [start_pose(view, target, camera) for view in bare]
+    return tuple(solve(problem, Estimate.start(camera, None, first), near=False).estimate.poses)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

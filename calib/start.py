@@ -107,10 +107,26 @@ def start_pose(view: View, target: Target, camera: CameraModel) -> RigidTransfor
     return pose_from_homography(fit_homography_robustly(board, rays, sigma))
 
 
-def stripe_in_space(
+@dataclass(frozen=True, slots=True, eq=False)
+class StripeLine:
+    """The straight line of a stripe on its board.
+
+    Attributes
+    ----------
+    ends_mm
+        Shape (2, 3), the two ends, camera frame.
+    agreeing
+        Shape (N,), the stripe's points that lie on it.
+    """
+
+    ends_mm: FloatArray
+    agreeing: BoolArray
+
+
+def stripe_line(
     stripe: StripePoints, camera: CameraModel, cam_from_board: RigidTransform
-) -> FloatArray:
-    """Return the two ends of a stripe on its board, camera frame, mm, shape (2, 3)."""
+) -> StripeLine:
+    """Return the line of a stripe of at least two points, of which up to a half may be false."""
     rays = camera.rays(stripe.centre_px)[:, :2]
     line, agreeing = fit_line_robustly(rays)
     along = np.array([-line[1], line[0]])
@@ -119,7 +135,8 @@ def stripe_in_space(
     ends = foot + np.array([[reach.min()], [reach.max()]]) * along
     normal = cam_from_board.rotation[:, 2]
     rays_3d = np.column_stack([ends, np.ones(2)])
-    return rays_3d * (normal @ cam_from_board.translation_mm / (rays_3d @ normal))[:, None]
+    depth = normal @ cam_from_board.translation_mm / (rays_3d @ normal)
+    return StripeLine(rays_3d * depth[:, None], agreeing)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,7 @@ from calib.noise import PixelNoise
 from calib.ridge import FRACTIONS, inside, kernel_radius, ridge_between_pixels, windows_at
 from calib.stripe_order import running_mean
 from calib.stripe_profile import Profiles, fit_profiles, sample_across
-from calib.stripe_seeds import SHRINK, StripeSeeds, find_seeds, halved
+from calib.stripe_seeds import StripeSeeds, find_seeds, halved
 from calib.views import Cause, StripePoints
 
 KERNELS_PX = (1.5, 2.1, 3.0, 4.2, 6.0)
@@ -94,28 +94,32 @@ def locate_stripe(
     seeds = find_seeds(
         picture, noise, region=region, min_height=min_height, min_length_px=min_length_px
     )
-    place, normal = seeds.place_px.reshape(-1, 2), np.repeat(seeds.normal, SHRINK, axis=0)
+    place, normal = seeds.place_px.reshape(-1, 2), np.repeat(seeds.normal, seeds.group, axis=0)
     samples = sample_across(picture, place, normal, _PROFILE_REACH)
-    fits = fit_profiles(samples.reshape(-1, SHRINK, samples.shape[1]).mean(axis=1))
+    fits = fit_profiles(samples.reshape(len(seeds), seeds.group, -1).mean(axis=1))
     trusted = np.flatnonzero(_is_stripe(fits, noise, min_height))
-    member = (trusted[:, None] * SHRINK + np.arange(SHRINK)).ravel()
-    profiles = fits.picked(np.repeat(trusted, SHRINK))
+    member = (trusted[:, None] * seeds.group + np.arange(seeds.group)).ravel()
+    profiles = fits.picked(np.repeat(trusted, seeds.group))
     start = place[member] + profiles.centre_px[:, None] * normal[member]
-    slope = np.repeat(_ground_slope(fits, seeds, trusted), SHRINK, axis=0)
+    slope = np.repeat(_ground_slope(fits, seeds, trusted), seeds.group, axis=0)
     return _settled(picture, noise, start, slope, profiles)
 
 
 def _ground_slope(fits: Profiles, seeds: StripeSeeds, trusted: IntArray) -> FloatArray:
     """Return the gradient of the ground, shape (T, 2), smoothed along the stripe.
 
-    A profile alone tells it so poorly that taking it off would add noise to the centres.
+    A profile alone tells it so poorly that taking it off would add noise to the centres. One
+    that is no bell on a slope, for a mark is near, has little weight.
     """
-    return running_mean(
-        fits.slope[trusted, None] * seeds.normal[trusted],
+    weight = 1.0 / (fits.misfit[trusted] ** 2 + 0.25)
+    slope = fits.slope[trusted, None] * seeds.normal[trusted]
+    total = running_mean(
+        np.column_stack([weight[:, None] * slope, weight]),
         seeds.place_px[trusted].mean(axis=1),
         half_window=_SLOPE_HALF_WINDOW,
-        gap_px=3.0 * SHRINK,
+        gap_px=3.0 * seeds.group,
     )
+    return np.asarray(total[:, :2] / total[:, 2:])
 
 
 def kernel_of(width_px: FloatArray) -> FloatArray:

@@ -54,6 +54,11 @@ class BoardArea:
         )
         return float(np.linalg.norm(points[1:] - points[0], axis=1).min())
 
+    @property
+    def side_px(self) -> float:
+        """Length of the target's shorter side."""
+        return float((self.high - self.low).min()) * self.pitch_px
+
     def region(self, shape: tuple[int, ...], margin_pitches: float) -> BoolArray:
         """Return the pixels on the board, `margin_pitches` beyond its outermost points."""
         (a, b), (c, d) = self.low - margin_pitches, self.high + margin_pitches
@@ -97,16 +102,26 @@ class BoardStripes:
 def find_board_stripes(picture: Picture, noise: PixelNoise, area: BoardArea) -> BoardStripes:
     """Find every line across the board that might be the stripe.
 
-    A board may be larger than its pattern: where no line crosses the pattern, it is looked for
-    around it.
+    A printed board may be larger than its pattern: where no line of some length crosses the
+    pattern, lines around it are looked at as well.
     """
-    for margin in (_NEAR_PITCHES, _FAR_PITCHES):
-        points = locate_stripe(picture, region=area.region(picture.shape, margin), noise=noise)
-        usable = ~area.marked(points.centre_px, points.width_px)
-        lines = find_lines(points, usable, _SHORTEST_PITCHES * area.pitch_px)
-        if lines:
-            return BoardStripes(points, lines, off_board=margin == _FAR_PITCHES)
-    return BoardStripes(points, [], off_board=False)
+    near = _stripes_within(picture, noise, area, _NEAR_PITCHES)
+    if near.lines and near.lines[0].length_px >= 0.5 * area.side_px:
+        return near
+    far = _stripes_within(picture, noise, area, _FAR_PITCHES)
+    if not far.lines or (near.lines and near.lines[0].evidence > 0.5 * far.lines[0].evidence):
+        return near
+    return far
+
+
+def _stripes_within(
+    picture: Picture, noise: PixelNoise, area: BoardArea, margin_pitches: float
+) -> BoardStripes:
+    region = area.region(picture.shape, margin_pitches)
+    points = locate_stripe(picture, region=region, noise=noise)
+    usable = ~area.marked(points.centre_px, points.width_px)
+    lines = find_lines(points, usable, _SHORTEST_PITCHES * area.pitch_px)
+    return BoardStripes(points, lines, off_board=margin_pitches > _NEAR_PITCHES)
 
 
 def stripe_of_board(found: BoardStripes, area: BoardArea) -> StripePoints | None:

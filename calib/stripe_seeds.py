@@ -1,4 +1,4 @@
-"""Where a stripe may be: ridges of the picture at a quarter and an eighth of its size."""
+"""Where a stripe may be: ridges of the picture at a fraction of its size and at half that."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,25 +12,27 @@ from calib.noise import PixelNoise
 from calib.ridge import Float32Array, Ridge, gaussian_rows
 from calib.stripe_order import order_along
 
-SHRINK = 4
-"""A stripe 1.5 to 8 px wide becomes one of 0.4 to 2, and its noise falls to a quarter."""
+_SHRINK, _SHRINK_SMALL = 4, 2
+"""A stripe 1.5 to 8 px wide becomes one of 0.4 to 2, and its noise falls to a quarter. In a small
+picture stripes are thinner."""
 
+_SMALL_SIDE_PX = 1300
 _KERNEL = 1.1
 _LINE_LIKE = 0.55
 _WEAK_SIGMAS = 4.0
 _STRONG_SIGMAS = 10.0
-_MOST_GROUPS = 2500
+_MOST_POINTS = 10_000
 _HALF_PIXEL = 0.62  # a little more than 0.5, so that a ridge between two pixels is not lost
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StripeSeeds:
-    """Places near a ridge, in groups of `SHRINK` that lie side by side along it.
+    """Places near a ridge, in groups that lie side by side along it.
 
     Attributes
     ----------
     place_px
-        Shape (G, SHRINK, 2), in the full picture, about a pixel apart.
+        Shape (G, S, 2), in the full picture, about a pixel apart; S is the group's size.
     normal
         Shape (G, 2).
 
@@ -43,10 +45,15 @@ class StripeSeeds:
     def __len__(self) -> int:
         return len(self.place_px)
 
+    @property
+    def group(self) -> int:
+        """Number of places in a group."""
+        return int(self.place_px.shape[1])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _CoarsePoints:
-    place: FloatArray  # (G, 2), in pixels of the picture at a quarter
+    place: FloatArray  # (G, 2), in pixels of the small picture
     normal: FloatArray  # (G, 2)
     strength: FloatArray  # (G,), curvature in sigmas of its noise
 
@@ -74,17 +81,18 @@ def find_seeds(
     min_length_px
         Shorter ridges are left out.
     """
-    small = halved(halved(picture)).astype(np.float32)
+    shrink = _SHRINK if max(picture.shape) > _SMALL_SIDE_PX else _SHRINK_SMALL
+    small = halved(halved(picture) if shrink == _SHRINK else picture).astype(np.float32)
     smaller = halved(small)
-    deviation = np.sqrt(noise.floor) / SHRINK
+    deviation = np.sqrt(noise.floor) / shrink
     fine = _coarse_ridges(small, deviation, min_height)
     wide = _upscaled(_coarse_ridges(smaller, 0.5 * deviation, min_height))
     found = _joined(fine, _away_from(fine, wide, small.shape))
     if region is not None:
-        pixel = np.rint(SHRINK * found.place + 0.5 * (SHRINK - 1)).astype(np.int64)
+        pixel = np.rint(shrink * found.place + 0.5 * (shrink - 1)).astype(np.int64)
         pixel = np.clip(pixel, 0, np.array(region.shape)[::-1] - 1)
         found = _picked(found, region[pixel[:, 1], pixel[:, 0]])
-    return _spread(_chained(found, small.shape, min_length_px / SHRINK))
+    return _spread(_chained(found, small.shape, min_length_px / shrink, _MOST_POINTS // shrink), shrink)
 
 
 def halved(picture: NDArray[Any]) -> NDArray[Any]:
@@ -123,7 +131,7 @@ def _coarse_ridges(small: Float32Array, deviation: float, min_height: float) -> 
 
 
 def _upscaled(points: _CoarsePoints) -> _CoarsePoints:
-    """Carry points of the picture at an eighth to the one at a quarter: one becomes two."""
+    """Carry points of the smaller picture to the small one: one becomes two."""
     tangent = _pixel_steps(points.normal)
     place = 2.0 * points.place + 0.5
     return _CoarsePoints(
@@ -172,7 +180,9 @@ def _mask(points: _CoarsePoints, shape: tuple[int, ...]) -> NDArray[np.uint8]:
     return mask
 
 
-def _chained(points: _CoarsePoints, shape: tuple[int, ...], min_length: float) -> _CoarsePoints:
+def _chained(
+    points: _CoarsePoints, shape: tuple[int, ...], min_length: float, most: int
+) -> _CoarsePoints:
     """Keep the connected ridges that are long and strong enough, each sorted along itself."""
     # Speckle tears a ridge; a gap of one pixel is bridged.
     mask = cv2.dilate(_mask(points, shape), np.ones((3, 3), dtype=np.uint8))
@@ -184,16 +194,16 @@ def _chained(points: _CoarsePoints, shape: tuple[int, ...], min_length: float) -
     np.maximum.at(strongest, chain, points.strength)
     sound = (reach >= min_length) & (strongest >= _STRONG_SIGMAS)
     good = np.flatnonzero(sound[chain])
-    if good.size > _MOST_GROUPS:  # texture has tens of thousands
-        good = good[np.argsort(-points.strength[good], kind="stable")[:_MOST_GROUPS]]
+    if good.size > most:  # texture has tens of thousands
+        good = good[np.argsort(-points.strength[good], kind="stable")[:most]]
     return _picked(points, good[order_along(points.place[good], chain[good])])
 
 
-def _spread(points: _CoarsePoints) -> StripeSeeds:
+def _spread(points: _CoarsePoints, shrink: int) -> StripeSeeds:
     """Put seeds along each coarse ridge pixel, one per pixel of the full picture."""
     tangent = _pixel_steps(points.normal)
-    along = np.arange(SHRINK) - 0.5 * (SHRINK - 1)
-    centre = SHRINK * points.place + 0.5 * (SHRINK - 1)
+    along = np.arange(shrink) - 0.5 * (shrink - 1)
+    centre = shrink * points.place + 0.5 * (shrink - 1)
     return StripeSeeds(
         centre[:, None, :] + along[None, :, None] * tangent[:, None, :], points.normal
     )

@@ -71,11 +71,11 @@ class DotPattern:
         SeenTarget or None
             None where the numbering is not certain.
         """
-        empty = self.lattice.empty_nodes(target.rows, target.cols)
-        node = np.concatenate([self.lattice.node, empty])
-        outlines = self.outlines.joined(_expected_outlines(self, empty))
+        mine, empty = self.lattice.within_target(target.rows, target.cols)
+        node = np.concatenate([self.lattice.node[mine], empty])
+        outlines = self.outlines.picked(mine).joined(_expected_outlines(self, empty))
         dots = measure_dots(picture, noise, outlines, lines, dark=target.dark)
-        keep = _like_the_others(dots, len(self))
+        keep = _like_the_others(dots, int(mine.sum()))
         numbering = number(
             node[keep], self.lattice.picture_from_node, target.rows, target.cols
         )

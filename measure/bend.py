@@ -48,15 +48,18 @@ def _curvature(stripe: StripePoints) -> FloatArray:
     """Return the curvature at each point, 1/px, positive where the stripe bends to its normal."""
     count = min(_NEIGHBOURS, len(stripe))
     distance, near = cKDTree(stripe.centre_px).query(stripe.centre_px, k=count)
-    tangent = stripe.normal[:, ::-1] * [-1.0, 1.0]
-    offset = stripe.centre_px[near] - stripe.centre_px[:, None]
-    s = np.einsum("nkj,nj->nk", offset, tangent)
-    f = np.einsum("nkj,nj->nk", offset, stripe.normal)
-    same = np.abs(np.einsum("nkj,nj->nk", stripe.normal[near], stripe.normal)) > _SAME_WAY
-    weight = (same & (distance < _REACH_PX)).astype(np.float64)
-    powers = [np.sum(weight * s**k, axis=1) for k in range(5)]
-    moments = np.stack([np.sum(weight * f * s**k, axis=1) for k in range(3)], axis=1)
-    normal = np.array([[powers[i + j] for j in range(3)] for i in range(3)]).transpose(2, 0, 1)
+    normal_u, normal_v = stripe.normal.T
+    step_u, step_v = (column[near] - column[:, None] for column in stripe.centre_px.T)
+    s = step_v * normal_u[:, None] - step_u * normal_v[:, None]
+    f = step_u * normal_u[:, None] + step_v * normal_v[:, None]
+    turned = normal_u[near] * normal_u[:, None] + normal_v[near] * normal_v[:, None]
+    weight = ((np.abs(turned) > _SAME_WAY) & (distance < _REACH_PX)).astype(np.float64)
+    powers = [weight]
+    for _ in range(4):
+        powers.append(powers[-1] * s)
+    sums = [power.sum(axis=1) for power in powers]
+    moments = np.stack([(powers[k] * f).sum(axis=1) for k in range(3)], axis=1)
+    normal = np.array([[sums[i + j] for j in range(3)] for i in range(3)]).transpose(2, 0, 1)
     # A point by itself bends nothing: a trace of stiffness keeps its equations solvable.
     normal = normal + np.eye(3) * [1e-9, 1e-6, 1e-3]
     return np.asarray(2.0 * np.linalg.solve(normal, moments[:, :, None])[:, 2, 0])

@@ -127,14 +127,14 @@ class Curve:
     ) -> tuple[LocalFit, float] | None:
         """Fit again around what is looked for, until it stays; None where the points end before.
 
-        Beside a gap the middle of the fit never gets there: the last fit then serves.
+        Beside a gap or an end the middle of a fit never gets there: the last good one serves.
         """
         settled = None
         for _ in range(_REFITS):
             fit = self.fit(place_mm, scale)
             s = where(fit) if fit is not None else None
             if fit is None or s is None or fit.beyond_mm(s) > reach_mm:
-                return None
+                break
             settled = fit, s
             before, place_mm = place_mm, fit.point(s)
             if np.linalg.norm(place_mm - before) < _SETTLED_MM:

@@ -8,6 +8,7 @@ from calib import FloatArray, IntArray
 from measure.estimate import Estimate
 
 _MIN_POINTS = 6
+_MIN_SPAN = 0.8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,8 +70,8 @@ class LocalFit:
         _, axes = np.linalg.eigh((offset * w[:, None]).T @ offset)
         tangent, normal = axes[:, 1], axes[:, 0]
         s, f = offset @ tangent, offset @ normal
-        # Too short a piece fixes no parabola: half of the window must be spanned.
-        if not np.ptp(s) >= half_window_mm:
+        # Too short a piece fixes no parabola: at the end of a profile nearly half the window is left.
+        if not np.ptp(s) >= _MIN_SPAN * half_window_mm:
             return None
         design = np.column_stack([np.ones(len(s)), s, s * s])
         weighted = design.T * w

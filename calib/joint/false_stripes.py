@@ -5,8 +5,6 @@ import numpy as np
 from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.joint.parameters import POSE_SIZE
 from calib.joint.solve import Problem, Solution
-from calib.lens import normalised_of
-from calib.lines import fit_line_robustly
 from calib.start import LEAST_STRIPE_POINTS
 
 # Chi square of an offset and a slope that a true stripe exceeds once in 300,000.
@@ -40,8 +38,7 @@ def _surprise(problem: Problem, solution: Solution, view: int, rows: IntArray) -
     """Return chi square of a stripe's offset and slope from what dots and sheet foretell."""
     table = problem.observations.stripe
     # Single false points must not decide over the whole.
-    rays = normalised_of(table.seen_px[rows], solution.estimate.camera)
-    rows = rows[fit_line_robustly(rays)[1]]
+    rows = rows[problem.on_line[rows]]
     along = table.along_px[rows] - table.along_px[rows].mean()
     design = np.column_stack([np.ones(len(rows)), along / max(along.std(), 1e-9)])
     to_line = np.linalg.pinv(design)

@@ -27,10 +27,16 @@ def solve_jointly(prepared: Prepared) -> Answer:
         If the solve does not end, or contradicting stripes leave fewer than two.
     """
     layout = Layout(free_parameters(prepared.camera, prepared.role), plane=True)
-    problem = Problem(prepared.observations, layout, _prior(prepared, layout), prepared.stripe_in)
+    problem = Problem(
+        prepared.observations,
+        layout,
+        _prior(prepared, layout),
+        prepared.stripe_in,
+        prepared.on_line,
+    )
     estimate = Estimate.start(prepared.camera, prepared.plane, list(prepared.poses))
     for _ in range(_ROUNDS):
-        solution = solve(problem, estimate)
+        solution = solve(problem, estimate, near=True)
         fitting = believable_stripes(problem, solution)
         if (fitting == problem.stripe_in).all() or fitting.sum() < 2:
             break

@@ -7,7 +7,8 @@ practically all their weight - a point at 3 sigma counts for more than 0.98 - an
 keep none. A fixed robust loss would cost 5 % of the information where there is nothing to reject.
 
 Far from the answer the residuals are misfit, not noise. There the weights are Huber's, with the
-scale from the median, which no start can lock out.
+scale from the median, which no start can lock out. They suit a camera's first solve, from dots
+alone. With a stripe they do not: its many false points would together pull a pose off its dots.
 """
 
 from dataclasses import dataclass, replace

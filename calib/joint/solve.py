@@ -49,12 +49,15 @@ class Problem:
         The points; the free parameters; what is known of the camera beforehand, if anything.
     stripe_in
         Shape (M,), the views whose stripe takes part.
+    on_line
+        Shape (N,), the stripe points that lie on the line of their own view's stripe.
     """
 
     observations: Observations
     layout: Layout
     prior: Prior | None
     stripe_in: BoolArray
+    on_line: BoolArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,11 +134,35 @@ class _Belief:
 
     @classmethod
     def from_medians(cls, problem: Problem, place: _Place) -> "_Belief":
+        """Judge from afar: all points pull a little."""
+        return cls.of(problem, place, *cls._medians(problem, place))
+
+    @classmethod
+    def from_near(cls, problem: Problem, place: _Place) -> "_Belief":
+        """Judge from near: gross errors stand out.
+
+        A stripe is judged against its own line first. Its pose, by noisy dots alone, may put it
+        far off the sheet as a whole, and it must be let in to pull the pose right.
+        """
+        dots, stripe = cls._medians(problem, place)
+        present = problem.stripe_in[problem.observations.stripe.view]
+        dots = replace(dots, settled=True)
+        return cls(
+            dots,
+            replace(stripe, settled=True),
+            dots.weights(place.dots.residual),
+            np.where(present & problem.on_line, 1.0, 0.0),
+        )
+
+    @staticmethod
+    def _medians(problem: Problem, place: _Place) -> tuple[Mixture, Mixture]:
         seen = problem.observations
         present = problem.stripe_in[seen.stripe.view]
-        dots = Mixture.from_median(place.dots.residual, seen.dots.sigma_px)
-        stripe = Mixture.from_median(place.stripe.residual[present], seen.stripe.sigma_px[present])
-        return cls.of(problem, place, dots, stripe)
+        residual, sigma = place.stripe.residual[present], seen.stripe.sigma_px[present]
+        return (
+            Mixture.from_median(place.dots.residual, seen.dots.sigma_px),
+            Mixture.from_median(residual, sigma),
+        )
 
     def settled_at(self, problem: Problem, place: _Place) -> "_Belief":
         """Renew the mixtures by what this place leaves."""
@@ -206,7 +233,7 @@ class _Belief:
         )
 
 
-def solve(problem: Problem, start: Estimate) -> Solution:
+def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
     """Find the most likely poses, and as the layout says light plane and camera.
 
     Parameters
@@ -214,7 +241,11 @@ def solve(problem: Problem, start: Estimate) -> Solution:
     problem
         Points, free parameters, prior.
     start
-        A state near the answer.
+        Where to begin.
+    near
+        The start explains most points about as well as the answer will, so that gross errors
+        stand out at once. A point then pulls only if it is likely to be good; else all pull, but
+        none by more than a little, until the answer is near.
 
     Returns
     -------
@@ -233,7 +264,7 @@ def solve(problem: Problem, start: Estimate) -> Solution:
     """
     rays = normalised_of(problem.observations.stripe.seen_px, start.camera)
     place = _Place.at(problem, start, rays)
-    belief = _Belief.from_medians(problem, place)
+    belief = (_Belief.from_near if near else _Belief.from_medians)(problem, place)
     parameters = problem.layout.size + POSE_SIZE * problem.observations.count
     damping = _FIRST_DAMPING
     moving, runs_counted = True, False

@@ -10,6 +10,7 @@ from station.settings import SensorSettings
 
 _CHECK_INTERVAL_S = 1.0
 _RETRY_INTERVAL_S = 1.0
+_FIRST_TRY_S = 0.3
 
 
 class CameraKeeper:
@@ -24,7 +25,8 @@ class CameraKeeper:
         self._settings = settings
         self._ring: Ring | None = None
         self._link: RecorderLink | None = None
-        self._next_s = 0.0
+        # Whoever starts the process for one recording arms it at once, and that opens the camera.
+        self._next_s = time.monotonic() + _FIRST_TRY_S
 
     def ensure_open(self) -> tuple[Camera, Ring, RecorderLink]:
         """Return the camera with what belongs to it, opening it where it is not.

@@ -102,7 +102,7 @@ def _quality(quality: WheelQuality) -> dict[str, object]:
         "points": quality.points,
         "left_out": {cause.value: count for cause, count in quality.left_out.items()},
         "coverage": quality.coverage,
-        "noise_factor": quality.noise_factor,
+        "speckle_share": quality.speckle_share,
         "frames_used": list(quality.frames),
         "axle_offset_mm": quality.axle_offset_mm,
         "sheet_yaw_deg": quality.sheet_yaw_deg,

@@ -10,7 +10,7 @@ import errno
 import os
 import struct
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mcap.opcode import Opcode
@@ -100,21 +100,25 @@ class McapAppender:
         self._write([opening + head, *message.parts, pointer])
         self._note_chunk(message, start, size, crc, opening, pointer)
 
-    def add_message_making_room(self, message: Message) -> None:
-        """Append a message; on a full disk the last ones are given up for it."""
-        self._making_room(lambda: self.add_message(message))
-
-    def finish(self) -> None:
-        """Write the summary; on a full disk the last messages are given up for it."""
-        self._making_room(lambda: self._write([self.index.ending(self._end)]))
-
-    def _making_room(self, write: Callable[[], None]) -> None:
+    def finish(self, last: Sequence[Message] = ()) -> None:
+        """Append the last messages and the summary; on a full disk earlier messages make way."""
         while True:
             try:
-                return write()
+                return self._finish(last)
             except OSError as error:
                 if error.errno not in NO_SPACE or not self._take_back_last_chunk():
                     raise
+
+    def _finish(self, last: Sequence[Message]) -> None:
+        before = len(self.index.chunks)
+        try:
+            for message in last:
+                self.add_message(message)
+            self._write([self.index.ending(self._end)])
+        except OSError:
+            while len(self.index.chunks) > before:
+                self._take_back_last_chunk()
+            raise
 
     def _take_back_last_chunk(self) -> bool:
         """Cut the last chunk off the file, unless other records stand behind it."""

@@ -112,7 +112,8 @@ def _check_start(path: Path, start: bytes, size: int) -> None:
 
 def _opened(path: Path, descriptor: int) -> Recording:
     size = os.fstat(descriptor).st_size
-    ending = os.pread(descriptor, FOOTER_LENGTH + len(MAGIC), size - FOOTER_LENGTH - len(MAGIC))
+    end = FOOTER_LENGTH + len(MAGIC)
+    ending = os.pread(descriptor, end, max(0, size - end))
     if ending[-len(MAGIC) :] != MAGIC:
         raise RecordingUnreadable(
             f"{path}: cut short or unfinished, {size} bytes without an end; "

@@ -17,7 +17,7 @@ from station.recording.events import Event
 from station.recording.layout import DAMAGED, PREFIX
 from station.recording.opening import Recording, open_recording
 from station.recording.rawimage import read_raw_image
-from station.recording.topics import Topic, parse_topic
+from station.recording.topics import Topic, channels_of, parse_topic
 
 _ENCODINGS = frozenset({"mono8", "8UC1"})  # two names of one thing
 
@@ -111,11 +111,8 @@ def _stored(
     recording: Recording, topic: Topic, sensor: str | None, *, validate: bool
 ) -> Iterator[tuple[str, StoredMessage]]:
     """Yield (sensor, message) of one kind of topic; chunks without it are not read."""
-    wanted = {}
-    for channel in recording.channels.values():
-        parsed = parse_topic(channel.topic)
-        if parsed is not None and parsed[1] is topic and sensor in {None, parsed[0]}:
-            wanted[channel.id] = parsed[0]
+    channels = channels_of(recording.channels.values(), topic)
+    wanted = {id_: name for id_, name in channels.items() if sensor in {None, name}}
     for chunk in recording.chunks:
         if chunk.message_index_offsets and wanted.keys().isdisjoint(chunk.message_index_offsets):
             continue

@@ -24,7 +24,7 @@ from station.recording.index import FileIndex
 from station.recording.layout import DAMAGED
 from station.recording.opening import open_file
 from station.recording.scan import Scan, decode, scan, without_damaged_tail
-from station.recording.topics import Topic, parse_topic
+from station.recording.topics import Topic, channels_of
 from station.recording.verify import VerifyReport, verify
 
 _HIDDEN = 0x80  # opcodes from here up are private: readers pass over them
@@ -108,8 +108,7 @@ def _repair(path: Path, descriptor: int, now_ns: Callable[[], int]) -> tuple[int
     found.index.data_crc = _crc_of_file(descriptor)
     cut = 0 if found.finished else size - found.end
     appender = McapAppender(descriptor, found.index, found.end)
-    _say(appender, found, cut, damaged, now_ns())
-    appender.finish()
+    appender.finish(_last_words(found, cut, damaged, now_ns()))
     os.fsync(descriptor)
     return cut, damaged
 
@@ -133,16 +132,14 @@ def _hide_damaged_chunks(descriptor: int, index: FileIndex) -> int:
     return hidden
 
 
-def _say(appender: McapAppender, found: Scan, cut: int, damaged: int, now_ns: int) -> None:
-    """Append an event to every sensor's events; its time is the recording's, not today's."""
+def _last_words(found: Scan, cut: int, damaged: int, now_ns: int) -> list[Message]:
+    """Return an event for every sensor; its time is the recording's, not today's."""
     last = max((c.index.message_end_time for c in found.index.chunks), default=now_ns)
     date = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(now_ns // 1_000_000_000))
     detail = f"found unfinished, made whole {date}: {cut} bytes cut off, {damaged} chunks damaged"
-    event = Event(EventKind.RECOVERED, last, detail)
-    for channel in list(found.index.channels.values()):
-        topic = parse_topic(channel.topic)
-        if topic is not None and topic[1] is Topic.EVENTS:
-            appender.add_message(Message(channel.id, 0, last, last, (event.message(),)))
+    body = Event(EventKind.RECOVERED, last, detail).message()
+    channels = channels_of(found.index.channels.values(), Topic.EVENTS)
+    return [Message(channel, 0, last, last, (body,)) for channel in channels]
 
 
 def _crc_of_file(descriptor: int) -> int:

@@ -1,11 +1,13 @@
 """The topics of a recording, one of each kind per sensor, and their schemas."""
 
+from collections.abc import Iterable
 from enum import StrEnum
 
 from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from google.protobuf.descriptor import FileDescriptor
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from mcap.records import Channel
 
 from station.recording.events import EVENT_SCHEMA, EVENT_SCHEMA_NAME
 
@@ -45,6 +47,12 @@ def parse_topic(name: str) -> tuple[str, Topic] | None:
     _, _, rest = name.partition("/")
     sensor, _, kind = rest.rpartition("/")
     return (sensor, Topic(kind)) if sensor and kind in set(Topic) else None
+
+
+def channels_of(channels: Iterable[Channel], topic: Topic) -> dict[int, str]:
+    """Return the sensors of the channels that carry one kind of topic, by channel id."""
+    parsed = {channel.id: parse_topic(channel.topic) for channel in channels}
+    return {id_: found[0] for id_, found in parsed.items() if found and found[1] is topic}
 
 
 def schema_of(topic: Topic) -> tuple[str, str, bytes]:

@@ -17,7 +17,7 @@ from station.recording.activefile import ActiveFile, active_path
 from station.recording.appender import Buffer, McapAppender, Message
 from station.recording.events import Event, EventKind
 from station.recording.rawimage import raw_image_around
-from station.recording.topics import Topic, message_encoding, parse_topic, schema_of, topic_name
+from station.recording.topics import Topic, channels_of, message_encoding, schema_of, topic_name
 
 LIBRARY = "treadline"
 _MEDIA_TYPES = {".json": "application/json", ".csv": "text/csv"}
@@ -215,9 +215,7 @@ class RecordingWriter:
     def _finished(self, *, disk_full: bool) -> RecordingSummary:
         self._file.stop_syncing()
         with self._file.writing():
-            if disk_full:
-                self._note_disk_full()
-            self._appender.finish()
+            self._appender.finish(self._last_words() if disk_full else ())
         self._file.publish()
         return RecordingSummary(
             path=self.path,
@@ -227,23 +225,25 @@ class RecordingWriter:
             disk_full=disk_full,
         )
 
-    def _note_disk_full(self) -> None:
-        """Say in the file why it ends; the last frame makes way for it where it must."""
+    def _last_words(self) -> list[Message]:
+        """Return the messages that say why the recording ends."""
         now = self._now_ns()
-        for channel in list(self._appender.index.channels.values()):
-            parsed = parse_topic(channel.topic)
-            if parsed is not None and parsed[1] is Topic.EVENTS:
-                event = Event(EventKind.DISK_FULL, now, "no space left; the recording ends here")
-                message = Message(channel.id, 0, now, now, (event.message(),))
-                self._appender.add_message_making_room(message)
+        body = Event(EventKind.DISK_FULL, now, "no space left; the recording ends here").message()
+        topics = [
+            (one.id, parse_topic(one.topic)) for one in self._appender.index.channels.values()
+        ]
+        return [
+            Message(channel, 0, now, now, (body,))
+            for channel, topic in topics
+            if topic is not None and topic[1] is Topic.EVENTS
+        ]
 
     def _count(self, topic: Topic) -> dict[str, int]:
-        counts = {}
-        for channel in self._appender.index.channels.values():
-            parsed = parse_topic(channel.topic)
-            if parsed is not None and parsed[1] is topic:
-                counts[parsed[0]] = self._appender.index.messages_on(channel.topic)
-        return counts
+        index = self._appender.index
+        return {
+            sensor: index.messages_on(index.channels[channel].topic)
+            for channel, sensor in channels_of(index.channels.values(), topic).items()
+        }
 
 
 def _camera_message(sensor: str, camera: CameraModel, now_ns: int) -> bytes:

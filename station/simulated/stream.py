@@ -20,7 +20,7 @@ from station.simulated.gvsp import (
     encode_unavailable,
 )
 
-MAX_RESEND_PACKETS = 4096  # of one request; a malicious one could ask for 16 million
+MAX_UNAVAILABLE = 4096  # packets of one request; "all that follow" of a gone picture is told once
 _SEND_BUFFER_BYTES = 4 << 20
 _PACED_PACKETS = 16  # a sleep costs 60 us at least: one for each packet would be too coarse
 
@@ -86,16 +86,15 @@ class StreamChannel:
     def send_again(self, request: ResendRequest) -> None:
         """Send packets again, or say of each that it is gone."""
         self._counters.resend_requests += 1
-        wanted = range(request.first_packet, request.last_packet + 1)[:MAX_RESEND_PACKETS]
         with self._lock:
             kept = (frame for frame in self._kept if frame.block_id == request.block_id)
-            packets = next((frame.packets for frame in kept), [])
-            for packet_id in wanted:
-                if packet_id < len(packets):
-                    self._send_packet_again(packets[packet_id])
-                else:
-                    self._counters.unavailable_packets += 1
-                    self._send_packet(encode_unavailable(request.block_id, packet_id))
+            packets = next((frame.packets for frame in kept), None)
+            if packets is None:
+                self._say_unavailable(request)
+                return
+            # A request may reach beyond the last packet: "and all that follow".
+            for packet in packets[request.first_packet : request.last_packet + 1]:
+                self._send_packet_again(packet)
 
     def forget(self) -> None:
         """Drop the packets kept: block ids begin anew."""
@@ -120,14 +119,17 @@ class StreamChannel:
 
     def _send_paced(self, packets: list[memoryview], delay_ns: int) -> None:
         begun_s = time.monotonic()
-        send = self._socket.send
         for i, packet in enumerate(packets):
             if delay_ns and i % _PACED_PACKETS == 0:
                 time.sleep(max(0.0, begun_s + i * delay_ns * 1e-9 - time.monotonic()))
-            try:
-                send(packet)
-            except OSError:  # noqa: SIM105  see _send_packet; `suppress` costs as much as the rest
-                pass
+            self._send_packet(packet)
+
+    def _say_unavailable(self, request: ResendRequest) -> None:
+        asked = range(request.first_packet, request.last_packet + 1)
+        told = asked if len(asked) <= MAX_UNAVAILABLE else asked[:1]
+        for packet_id in told:
+            self._counters.unavailable_packets += 1
+            self._send_packet(encode_unavailable(request.block_id, packet_id))
 
     def _send_packet_again(self, packet: memoryview) -> None:
         if self._faults.loses_resent_packet():

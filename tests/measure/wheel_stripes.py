@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-
 from scipy.ndimage import gaussian_filter1d
 
 from calib import (
@@ -185,3 +184,13 @@ def make_stripe(centre, normal, sigma_px=0.05):
 
 def mounting_of(rig_from_camera, **changes):
     return Mounting(rig_from_camera, wheel_radius_mm=RADIUS_MM, **changes)
+
+
+def mirrored(sensor, rig_from_camera):
+    """The sensor and its place seen in a mirror along the rail: (LaserSensor, rig_from_camera)."""
+    flip = np.diag([-1.0, 1.0, 1.0])
+    rotation = flip @ rig_from_camera.rotation @ flip
+    place = flip @ rig_from_camera.translation_mm
+    a, b, c, d = sensor.plane.coefficients
+    plane = LightPlane.from_coefficients([-a, b, c, d])
+    return LaserSensor.exact(sensor.camera, plane), RigidTransform(rotation, place)

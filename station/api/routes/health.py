@@ -4,6 +4,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, PlainTextResponse
 
 from station.api.callers import Reader
+from station.api.contract import contract_of
 from station.api.docs import docs_page
 from station.api.models import Health, Readiness
 from station.api.parts import Parts, PartsOf
@@ -54,10 +55,10 @@ def get_metrics(parts: PartsOf, _: Reader) -> Response:
 @router.get("/openapi.json", include_in_schema=False)
 def get_openapi(request: Request, _: Reader) -> JSONResponse:
     """Return the contract."""
-    return JSONResponse(request.app.openapi())
+    return JSONResponse(contract_of(request.app))
 
 
 @router.get("/docs", include_in_schema=False)
 def get_docs(request: Request, _: Reader) -> HTMLResponse:
     """Return a page of the operations."""
-    return HTMLResponse(docs_page(request.app.openapi()))
+    return HTMLResponse(docs_page(contract_of(request.app)))

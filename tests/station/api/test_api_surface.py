@@ -6,6 +6,7 @@ import threading
 import pytest
 
 from station import errors
+from station.api.contract import contract_of
 from station.api.problems import STATUS_OF, status_of
 from station.errors import InputUnusable
 from station.store import JobKind, JobState, Scope, add_job, end, report_progress, start, the
@@ -200,11 +201,25 @@ def test_the_docs_page_lists_every_operation_and_loads_nothing(served, call):
     assert "http://" not in page
     assert "https://" not in page
     assert "<script" not in page
+
+
+def references(node):
+    if isinstance(node, dict):
+        yield from (value for key, value in node.items() if key == "$ref")
+        node = list(node.values())
+    if isinstance(node, list):
+        for each in node:
+            yield from references(each)
+
+
+def test_the_contract_describes_every_operation_and_its_problems(served, call):
     schema = call.get("/openapi.json").json()
-    assert schema == served.app.openapi()
+    assert schema == contract_of(served.app)
+    known = {f"#/components/schemas/{name}" for name in schema["components"]["schemas"]}
+    assert set(references(schema)) <= known
     for methods in schema["paths"].values():
         for operation in methods.values():
-            assert "default" in operation["responses"]
+            assert "application/problem+json" in operation["responses"]["default"]["content"]
             assert operation["description"]
 
 

@@ -109,15 +109,15 @@ def test_a_source_that_is_not_there_is_one_line_and_exit_2(tmp_path, capsys, opt
 
 def test_the_list_shows_cameras_found_and_asked_for(capsys):
     with (
-        SimulatedCamera("127.10.6.6", numbered_source(1, 64, 48), serial="L1"),
-        SimulatedCamera("127.10.6.7", numbered_source(1, 64, 48), serial="L2"),
+        SimulatedCamera("127.10.6.6", numbered_source(1, 64, 48), serial="LIST-1"),
+        SimulatedCamera("127.10.6.7", numbered_source(1, 64, 48), serial="LIST-2"),
     ):
         assert station("list", "--json", "--address", "127.10.6.7") == 0
         listed = {camera["address"]: camera for camera in json.loads(capsys.readouterr().out)}
-        assert listed["127.10.6.6"]["serial"] == "L1"
+        assert listed["127.10.6.6"]["serial"] == "LIST-1"
         assert listed["127.10.6.7"]["vendor"] == "Treadline"
         assert station("list") == 0
-        assert "127.10.6.6  L1  Treadline Simulated NIR camera\n" in capsys.readouterr().out
+        assert "127.10.6.6  LIST-1  Treadline Simulated NIR camera\n" in capsys.readouterr().out
 
 
 def test_an_address_that_does_not_answer_is_one_line_and_exit_2(capsys):

@@ -24,7 +24,7 @@ def test_full_size_at_53_pictures_a_second_arrives_byte_for_byte(packet_loss):
     pictures = [picture.tobytes() for picture in numbered_pictures(8, WIDTH, HEIGHT)]
     faults = Faults(packet_loss=packet_loss, seed=1)
     with SimulatedCameraProcess("127.10.5.1", FULL_SIZE, faults=faults) as camera:
-        receiver = Receiver(camera.address)
+        receiver = Receiver(camera.address, buffers=64)
         receiver.camera.set_frame_rate(53.0)
         with receiver:
             frames = []

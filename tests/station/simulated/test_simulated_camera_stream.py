@@ -98,6 +98,25 @@ def test_ids_wrap_from_65535_to_1():
     assert [frame.data for frame in frames] == served
 
 
+def test_packets_of_an_earlier_acquisition_are_not_sent_again():
+    faults = Faults(packet_loss=0.2, seed=8)
+    options = DeviceOptions(frame_rate_hz=100.0, resend_frames=64)
+    with SimulatedCamera("127.10.3.14", ArraySource(PICTURES), faults=faults, options=options) as (
+        camera
+    ):
+        receiver = Receiver(camera.address)
+        receiver.device.set_string_feature_value("AcquisitionMode", "MultiFrame")
+        receiver.device.set_integer_feature_value("AcquisitionFrameCount", 7)
+        for acquisition in range(2):
+            with receiver:
+                frames = receiver.take(7)
+            for frame in frames:  # the same ids again, but seven pictures on
+                served = PICTURES[(7 * acquisition + frame.frame_id - 1) % COUNT]
+                assert frame.whole
+                assert frame.data == served.tobytes()
+        receiver.close()
+
+
 def test_packets_long_gone_are_said_to_be_unavailable():
     # Half of the packets are lost, half of those sent again too, and one picture is kept: many
     # requests come when their picture has gone.

@@ -1,0 +1,74 @@
+"""Shows how the settings file is read and refused."""
+
+import pytest
+
+from station.errors import InputUnusable
+from station.settings import load_settings
+
+GOOD = """
+data_dir = "data"
+[[sensors]]
+id = "left"
+address = "192.168.1.2"
+[sensors.mounting]
+rotation_vector = [0, 0, 0]
+translation_mm = [0, 0, 0]
+[[sensors]]
+id = "right"
+address = "192.168.1.3"
+"""
+
+
+@pytest.fixture
+def read(tmp_path, monkeypatch):
+    monkeypatch.delenv("STATION_PORT", raising=False)
+    path = tmp_path / "station.toml"
+
+    def read_text(text):
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return load_settings(path)
+
+    return read_text
+
+
+def test_a_file_gives_typed_settings_with_defaults(read, tmp_path):
+    settings = read(GOOD)
+    assert settings.port == 8080
+    assert settings.sensor("left").trigger == "Line1"
+    assert settings.sensor("left").mounting.wheel_radius_mm == 420.0
+    assert settings.sensor("middle") is None
+    # A relative folder counts from the file, wherever the command is given.
+    assert settings.data_dir == (tmp_path / "data").resolve()
+
+
+def test_the_environment_wins_over_the_file_and_keys_in_it_are_no_settings(read, monkeypatch):
+    monkeypatch.setenv("STATION_PORT", "9000")
+    monkeypatch.setenv("STATION_ADMIN_KEY", "not a setting")
+    assert read("port = 8000\n" + GOOD).port == 9000
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("prot = 80\n" + GOOD, "prot: Extra inputs are not permitted"),
+        ("port = 70000\n" + GOOD, "port: Input should be less than or equal to 65535"),
+        (GOOD.replace('"right"', '"left"'), "two sensors with the id 'left'"),
+        (GOOD.replace("1.3", "1.2"), "two sensors with the address '192.168.1.2'"),
+        (GOOD.replace('"left"', '"Left Side"'), "sensors.0.id: String should match"),
+        ('data_dir = "data"\nsensors = []\n', "sensors: Tuple should have at least 1 item"),
+        ("data_dir = \n", "not a TOML file"),
+        (b"\xff\xfe", "not a TOML file"),
+        ("", "data_dir: Field required"),
+    ],
+)
+def test_a_wrong_setting_is_one_line_that_names_it(read, text, says):
+    with pytest.raises(InputUnusable) as refusal:
+        read(text)
+    assert says in str(refusal.value)
+    assert "station.toml" in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_missing_file_is_refused_with_what_to_give(tmp_path):
+    with pytest.raises(InputUnusable, match=r"no such settings file; give one by --config"):
+        load_settings(tmp_path / "none.toml")
