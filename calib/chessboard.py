@@ -78,9 +78,7 @@ class CornerPattern:
         node = np.concatenate([self.lattice.node[mine], empty])
         corners = measure_corners(picture, noise, self.lattice, node, lines)
         keep = corners.trusted
-        numbering = number(
-            node[keep], self.lattice.picture_from_node, target.rows, target.cols
-        )
+        numbering = number(node[keep], self.lattice.picture_from_node, target.rows, target.cols)
         if numbering is None:
             return None
         place = numbering.rows_and_cols(node)
@@ -205,6 +203,4 @@ def measure_corners(
         Cause.CROSSED if h > _CROSSED_FROM else Cause.SATURATED if c > _CLIPPED_FROM else Cause.NONE
         for h, c in zip(hidden, clipped, strict=True)
     )
-    return Corners(
-        fit.parameters[:, :2] + origin, np.maximum(by_noise, spread), cause, trusted
-    )
+    return Corners(fit.parameters[:, :2] + origin, np.maximum(by_noise, spread), cause, trusted)

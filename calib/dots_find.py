@@ -64,8 +64,10 @@ def _spots(bright: Picture, noise: PixelNoise) -> tuple[FloatArray, FloatArray]:
     for radius in _RADII_PX:
         # Larger spots are looked for in a picture half that size.
         halvings = 1 if radius > 20.0 else 0
-        level = small if halvings == 0 else cv2.resize(
-            small, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA
+        level = (
+            small
+            if halvings == 0
+            else cv2.resize(small, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
         )
         shrink = _SHRINK * 2**halvings
         sigma = radius / shrink / np.sqrt(2.0)
@@ -132,13 +134,18 @@ def _steepest_fall(
     reach = radius[:, None, None] * along
     u = place[:, 0, None, None] + reach * np.cos(angle)[:, None]
     v = place[:, 1, None, None] + reach * np.sin(angle)[:, None]
-    samples = cv2.remap(
-        smooth,
-        u.reshape(len(place), -1).astype(np.float32),
-        v.reshape(len(place), -1).astype(np.float32),
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    ).reshape(u.shape).astype(np.float32)
+    samples = (
+        cv2
+        .remap(
+            smooth,
+            u.reshape(len(place), -1).astype(np.float32),
+            v.reshape(len(place), -1).astype(np.float32),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        .reshape(u.shape)
+        .astype(np.float32)
+    )
     fall = samples[:, :, :-3] - samples[:, :, 3:]
     best = fall.argmax(axis=2)
     drop = np.take_along_axis(fall, best[:, :, None], axis=2)[:, :, 0]

@@ -83,8 +83,9 @@ class Lattice:
         low, high = self.extent(rows, cols)
         u, v = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
         taken = set(map(tuple, self.node.tolist()))
-        empty = [n for n in zip(u.ravel().tolist(), v.ravel().tolist(), strict=True)
-                 if n not in taken]
+        empty = [
+            n for n in zip(u.ravel().tolist(), v.ravel().tolist(), strict=True) if n not in taken
+        ]
         return np.array(empty, dtype=np.int64).reshape(-1, 2)
 
 
@@ -214,9 +215,7 @@ def _expected_step(
     return np.asarray(step[0] * basis[0] + step[1] * basis[1])
 
 
-def _checked(
-    points_px: FloatArray, size_px: FloatArray, found: dict[Node, int]
-) -> Lattice | None:
+def _checked(points_px: FloatArray, size_px: FloatArray, found: dict[Node, int]) -> Lattice | None:
     """Keep what one homography explains, and add the points that it predicts."""
     if len(found) < 6:
         return None
@@ -277,7 +276,9 @@ def _with_predicted(
         return lattice
     gap = np.linalg.norm(lattice.predict(empty)[:, None] - points_px[None], axis=2)
     nearest = gap.argmin(axis=1)
-    like = np.abs(np.log(size_px[nearest] / np.median(size_px[lattice.index]))) < np.log(_SIZE_RATIO)
+    like = np.abs(np.log(size_px[nearest] / np.median(size_px[lattice.index]))) < np.log(
+        _SIZE_RATIO
+    )
     good = (gap.min(axis=1) < _NEAR_HOMOGRAPHY * pitch) & like
     good &= ~np.isin(nearest, lattice.index)
     return Lattice(
@@ -287,9 +288,7 @@ def _with_predicted(
     )
 
 
-def number(
-    node: IntArray, picture_from_node: FloatArray, rows: int, cols: int
-) -> Numbering | None:
+def number(node: IntArray, picture_from_node: FloatArray, rows: int, cols: int) -> Numbering | None:
     """Decide which lattice coordinates are row 0 and column 0.
 
     Parameters
@@ -315,12 +314,11 @@ def number(
             seen = int((((node - corner) >= 0) & ((node - corner) < size)).all(axis=1).sum())
             options.append((seen, corner, upright))
     if rows != cols and len(options) > 1:
-        options = [max(options, key=lambda option: option[0])] if (
-            options[0][0] != options[1][0]
-        ) else []
+        options = (
+            [max(options, key=lambda option: option[0])] if (options[0][0] != options[1][0]) else []
+        )
     turned = [
-        _oriented(corner, upright, picture_from_node, rows, cols)
-        for _, corner, upright in options
+        _oriented(corner, upright, picture_from_node, rows, cols) for _, corner, upright in options
     ]
     return max(turned, key=lambda pair: pair[0])[1] if turned else None
 
@@ -363,12 +361,10 @@ def _oriented(
         for col_sign in (1, -1):
             turn = np.diag([row_sign, col_sign]) @ to_rows
             first = turn @ corner
-            shift = np.array(
-                [
-                    -first[0] if row_sign > 0 else rows - 1 - first[0],
-                    -first[1] if col_sign > 0 else cols - 1 - first[1],
-                ]
-            )
+            shift = np.array([
+                -first[0] if row_sign > 0 else rows - 1 - first[0],
+                -first[1] if col_sign > 0 else cols - 1 - first[1],
+            ])
             numbering = Numbering(turn, shift)
             middle = np.array([[(rows - 1) // 2, (cols - 1) // 2]])
             here, down, right = (

@@ -127,9 +127,7 @@ def find_lines(points: StripePoints, usable: BoolArray, least_length_px: float) 
     return [line for line in lines if line.evidence >= _LEAST_EVIDENCE * lines[0].evidence]
 
 
-def _best_line(
-    points: StripePoints, left: IntArray, rng: np.random.Generator
-) -> StripeLine | None:
+def _best_line(points: StripePoints, left: IntArray, rng: np.random.Generator) -> StripeLine | None:
     """Return the line with most points among those left, drawn by pairs and then refined."""
     if left.size < _FEWEST_POINTS:
         return None
@@ -176,9 +174,7 @@ def _refined(
     return _described(points, left[near], along[near], (origin, direction, bend))
 
 
-def _parabola(
-    along: FloatArray, aside: FloatArray, sigma: FloatArray, reach: float
-) -> FloatArray:
+def _parabola(along: FloatArray, aside: FloatArray, sigma: FloatArray, reach: float) -> FloatArray:
     """Fit robustly by reweighting; `along` is in units of `reach`, px."""
     design = np.column_stack([np.ones_like(along), along, along**2])
     weight = 1.0 / sigma

@@ -92,7 +92,9 @@ def find_seeds(
         pixel = np.rint(shrink * found.place + 0.5 * (shrink - 1)).astype(np.int64)
         pixel = np.clip(pixel, 0, np.array(region.shape)[::-1] - 1)
         found = _picked(found, region[pixel[:, 1], pixel[:, 0]])
-    return _spread(_chained(found, small.shape, min_length_px / shrink, _MOST_POINTS // shrink), shrink)
+    return _spread(
+        _chained(found, small.shape, min_length_px / shrink, _MOST_POINTS // shrink), shrink
+    )
 
 
 def halved(picture: NDArray[Any]) -> NDArray[Any]:

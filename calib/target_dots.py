@@ -76,9 +76,7 @@ class DotPattern:
         outlines = self.outlines.picked(mine).joined(_expected_outlines(self, empty))
         dots = measure_dots(picture, noise, outlines, lines, dark=target.dark)
         keep = _like_the_others(dots, int(mine.sum()))
-        numbering = number(
-            node[keep], self.lattice.picture_from_node, target.rows, target.cols
-        )
+        numbering = number(node[keep], self.lattice.picture_from_node, target.rows, target.cols)
         if numbering is None:
             return None
         place = numbering.rows_and_cols(node)
@@ -113,9 +111,7 @@ def _like_the_others(dots: DotCentres, found: int) -> BoolArray:
     first = np.flatnonzero(dots.trusted[:found])
     if first.size == 0:
         return np.zeros(len(dots), dtype=bool)
-    gap = np.linalg.norm(
-        dots.centre_px[:, None] - dots.centre_px[None, first], axis=2
-    )
+    gap = np.linalg.norm(dots.centre_px[:, None] - dots.centre_px[None, first], axis=2)
     near = first[np.argsort(gap, axis=1)[:, : min(6, first.size)]]
     size = dots.outlines.radius_px / np.median(dots.outlines.radius_px[near], axis=1)
     height = dots.height / np.median(dots.height[near], axis=1)

@@ -11,7 +11,7 @@ import httpx
 from station.errors import StationError
 
 _ENDED = {"done", "failed", "recovered", "cancelled"}
-_POLL_S = 0.1
+_POLL_S = 0.2
 
 Answer = dict[str, Any]
 

@@ -72,6 +72,8 @@ def run_demo(folder: Path, seed: int, progress: Progress) -> DemoResult:
             solved = _calibrate(scenario, client, progress)
             accounts += _record_train(scenario, client, cameras, progress)
             live = _wheels_by_sensor(client)
+            progress(0.88, "stopping the station")
+            station.stop()  # before its cameras go dark
     for truth in scenario.sensors:
         frames_path(folder, truth.id).unlink()
     progress(0.9, "measuring with the other calibrations")

@@ -51,6 +51,15 @@ class RunningStation:
     key: str
     data_dir: Path
 
+    def stop(self) -> None:
+        """End the station; safe to call twice."""
+        self.process.terminate()
+        try:
+            self.process.wait(_STOP_PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
 
 @contextmanager
 def station_of(scenario: Scenario, folder: Path) -> Generator[RunningStation]:
@@ -68,10 +77,11 @@ def station_of(scenario: Scenario, folder: Path) -> Generator[RunningStation]:
             stderr=log,
             env={**os.environ, "STATION_ADMIN_KEY": key},
         )
+        station = RunningStation(process, f"http://127.0.0.1:{port}", key, folder)
         try:
-            yield RunningStation(process, f"http://127.0.0.1:{port}", key, folder)
+            yield station
         finally:
-            _end(process)
+            station.stop()
 
 
 def await_ready(station: RunningStation, client: StationClient) -> None:
@@ -132,12 +142,3 @@ def _settings_toml(scenario: Scenario, folder: Path, port: int) -> str:
             f"translation_mm = {mounting.translation_mm.tolist()}",
         ]
     return "\n".join([*lines, ""])
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    process.terminate()
-    try:
-        process.wait(_STOP_PATIENCE_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()

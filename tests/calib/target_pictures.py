@@ -83,9 +83,7 @@ class Scene:
         picture = cv2.resize(picture, (CAMERA.width, CAMERA.height), interpolation=cv2.INTER_AREA)
         u, v = np.meshgrid(np.arange(CAMERA.width), np.arange(CAMERA.height))
         for gu, gv, radius, counts in self.glare:
-            picture = picture + counts * np.exp(
-                -0.5 * ((u - gu) ** 2 + (v - gv) ** 2) / radius**2
-            )
+            picture = picture + counts * np.exp(-0.5 * ((u - gu) ** 2 + (v - gv) ** 2) / radius**2)
         picture = picture * (1.0 - self.fall * u / CAMERA.width) * self.exposure
         if self.bloom:
             wide = cv2.GaussianBlur(np.minimum(picture, 2000.0), (0, 0), 9.0)

@@ -7,17 +7,11 @@ from fastapi import APIRouter, Header, Response
 from fastapi.responses import PlainTextResponse
 
 from calib import Target
+from station.api.answers import ActivationModel, CalibrationModel
 from station.api.callers import Calibrator, Reader
 from station.api.etag import etag_of, version_in
-from station.api.models import (
-    ActivationModel,
-    ActivationRequest,
-    CalibrationModel,
-    CalibrationRequest,
-    IdInPath,
-    SensorInPath,
-)
 from station.api.parts import PartsOf
+from station.api.requests import ActivationRequest, CalibrationRequest, IdInPath, SensorInPath
 from station.operations import (
     CalibrationOrder,
     activate_calibration,

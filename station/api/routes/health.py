@@ -3,10 +3,10 @@
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, PlainTextResponse
 
+from station.api.answers import Health, Readiness
 from station.api.callers import Reader
 from station.api.contract import contract_of
 from station.api.docs import docs_page
-from station.api.models import Health, Readiness
 from station.api.parts import Parts, PartsOf
 from station.errors import StationError
 from station.operations import Capture

@@ -8,9 +8,10 @@ from fastapi import APIRouter, Depends
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from station.api.answers import JobModel
 from station.api.callers import Operator, Reader
-from station.api.models import IdInPath, JobModel
 from station.api.parts import Parts, PartsOf
+from station.api.requests import IdInPath
 from station.operations import cancel_job
 from station.store import JOB, Job, the
 

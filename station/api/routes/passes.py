@@ -2,16 +2,10 @@
 
 from fastapi import APIRouter, Response
 
+from station.api.answers import MeasurementModel, PassModel, WheelsModel
 from station.api.callers import Operator, Reader
-from station.api.models import (
-    FinishRequest,
-    IdInPath,
-    MeasurementModel,
-    PassModel,
-    PassRequest,
-    WheelsModel,
-)
 from station.api.parts import PartsOf
+from station.api.requests import FinishRequest, IdInPath, PassRequest
 
 router = APIRouter(prefix="/v1/passes/{pass_id}", tags=["passes"])
 

@@ -5,9 +5,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
+from station.api.answers import RecordingModel, RecordingsPage
 from station.api.callers import Reader
-from station.api.models import Limit, RecordingInPath, RecordingModel, RecordingsPage
 from station.api.parts import PartsOf
+from station.api.requests import Limit, RecordingInPath
 from station.errors import InputUnusable
 from station.store import Recording, recordings_page, the
 

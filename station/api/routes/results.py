@@ -4,9 +4,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
+from station.api.answers import MeasurementModel, MeasurementsPage
 from station.api.callers import Reader
-from station.api.models import CallersId, Limit, MeasurementModel, MeasurementsPage
 from station.api.parts import PartsOf
+from station.api.requests import CallersId, Limit
 from station.settings import SensorId
 from station.store import measurements_page
 

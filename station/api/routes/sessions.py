@@ -3,9 +3,10 @@
 from fastapi import APIRouter, Response
 
 from calib import Target
+from station.api.answers import SessionModel
 from station.api.callers import Calibrator, Reader
-from station.api.models import IdInPath, SessionModel, SessionRequest
 from station.api.parts import PartsOf
+from station.api.requests import IdInPath, SessionRequest
 
 router = APIRouter(prefix="/v1/calibration-sessions/{session_id}", tags=["calibration"])
 

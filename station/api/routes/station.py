@@ -4,8 +4,8 @@ import shutil
 
 from fastapi import APIRouter
 
+from station.api.answers import SensorModel, StationModel
 from station.api.callers import Reader
-from station.api.models import SensorModel, StationModel
 from station.api.parts import PartsOf
 from station.errors import StationError
 from station.operations import Station
