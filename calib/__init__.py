@@ -4,6 +4,7 @@ Letters, frames, units and signs are in ``conventions.md`` beside this file.
 """
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture, frozen, read_only
+from calib.bound import cramer_rao_bound
 from calib.calibrate import calibrate, calibrate_camera
 from calib.calibration import (
     Calibration,
@@ -71,6 +72,7 @@ __all__ = [
     "View",
     "calibrate",
     "calibrate_camera",
+    "cramer_rao_bound",
     "frozen",
     "kernel_of",
     "locate_stripe",

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from calib import disc
@@ -17,6 +16,7 @@ from calib.patch_fit import (
     masked_median,
     spread_over_scales,
 )
+from calib.resample import box_smoothed
 from calib.stripe_lines import StripeLine, lit_by
 
 _EDGE_REACH_PX = 4.5
@@ -102,10 +102,9 @@ def measure_dots(
        image deviation", Optics Express 27(4), 2019, section 2.1.1.
     """
     origin = np.rint(outlines.centre_px).astype(np.int64)
-    first = disc.start(outlines, origin, _START_BLUR_PX)
+    first = disc.start(outlines, origin.astype(np.float64), _START_BLUR_PX)
     offset, ring = _ring(first, outlines)
-    smooth = np.asarray(cv2.blur(picture, (3, 3)), dtype=np.uint8)
-    patches = Patches.cut(picture, smooth, noise, origin, offset, ring)
+    patches = Patches.cut(picture, box_smoothed(picture), noise, origin, offset, ring)
     _set_brightness(first, patches, offset)
     place, foot = patches.places_px(), _STRIPE_FOOT * np.abs(first[:, disc.HEIGHT])
     band = lit_by(lines, place, foot)

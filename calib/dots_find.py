@@ -1,12 +1,11 @@
 """Where dots may be: round spots of either size and brightness, by their outlines."""
 
-import cv2
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, Picture
 from calib.ellipse import Ellipses, fit_ellipses
 from calib.noise import PixelNoise
-from calib.ridge import Float32Array
+from calib.resample import Float32Array, sampled, shrunk, smoothed, tops
 
 SMALLEST_RADIUS_PX, LARGEST_RADIUS_PX = 4.0, 45.0
 
@@ -14,6 +13,7 @@ _SHRINK = 4
 _RADII_PX = (5.5, 7.5, 10.5, 15.0, 21.0, 29.0, 40.0)
 _MOST_SPOTS = 500
 _CELL_PX = 8.0
+_LARGE_RADIUS_PX = 20.0
 _RAYS = 32
 _SAMPLES = 26
 _REACH = (0.25, 1.9)  # where along a ray the outline is looked for, in expected radii
@@ -40,9 +40,9 @@ def find_dots(picture: Picture, noise: PixelNoise, *, dark: bool) -> Ellipses:
         Rough outlines, good to about half a pixel, the clearest first. Others than the target's
         dots may be among them, and dots that light spoils may be missing.
     """
-    bright = cv2.bitwise_not(picture) if dark else picture
+    bright = np.uint8(255) - picture if dark else picture
     place, radius = _spots(bright, noise)
-    smooth = cv2.GaussianBlur(bright, (0, 0), 1.0)
+    smooth = smoothed(bright, 1.0)
     grain = 0.3 * float(np.sqrt(noise.floor))
     outlines, share = _outlines(smooth, place, radius, grain)
     # Once more from the outline found: the first look may be off by a third of the radius.
@@ -56,24 +56,16 @@ def find_dots(picture: Picture, noise: PixelNoise, *, dark: bool) -> Ellipses:
 
 def _spots(bright: Picture, noise: PixelNoise) -> tuple[FloatArray, FloatArray]:
     """Return places and radii where the Laplacian of a Gaussian is largest nearby."""
-    height, width = (max(side // _SHRINK, 1) for side in bright.shape)
-    cut = bright[: height * _SHRINK, : width * _SHRINK]
-    small = cv2.resize(cut, (width, height), interpolation=cv2.INTER_AREA).astype(np.float32)
+    small = shrunk(shrunk(bright, 2), 2).astype(np.float32)
+    smaller = shrunk(small, 2)
     least = max(2.0, 1.5 * float(np.sqrt(noise.floor)))
     places, radii, responses = [], [], []
     for radius in _RADII_PX:
         # Larger spots are looked for in a picture half that size.
-        halvings = 1 if radius > 20.0 else 0
-        level = (
-            small
-            if halvings == 0
-            else cv2.resize(small, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-        )
-        shrink = _SHRINK * 2**halvings
+        level, shrink = (smaller, 2 * _SHRINK) if radius > _LARGE_RADIUS_PX else (small, _SHRINK)
         sigma = radius / shrink / np.sqrt(2.0)
         response = _spot_response(level, sigma)
-        top = response == cv2.dilate(response, np.ones((3, 3), dtype=np.uint8))
-        v, u = np.nonzero(top & (response > least))
+        v, u = np.nonzero(tops(response, 1) & (response > least))
         places.append(shrink * np.column_stack([u, v]) + 0.5 * (shrink - 1))
         radii.append(np.full(u.size, radius))
         responses.append(response[v, u])
@@ -88,8 +80,8 @@ def _spots(bright: Picture, noise: PixelNoise) -> tuple[FloatArray, FloatArray]:
 def _spot_response(small: Float32Array, sigma: float) -> Float32Array:
     """Return -s² times the Laplacian of a Gaussian, in counts, as a difference of two."""
     ratio = 1.3
-    inner = cv2.GaussianBlur(small, (0, 0), sigma / np.sqrt(ratio))
-    outer = cv2.GaussianBlur(small, (0, 0), sigma * np.sqrt(ratio))
+    inner = smoothed(small, sigma / np.sqrt(ratio))
+    outer = smoothed(small, sigma * np.sqrt(ratio))
     return np.asarray((inner - outer) * (2.0 / (ratio - 1.0 / ratio)), dtype=np.float32)
 
 
@@ -103,16 +95,16 @@ def _outlines(
     if len(place) == 0:
         return Ellipses.circles(np.empty((0, 2)), np.empty(0)), np.empty(0)
     edge, drop = _steepest_fall(smooth, place, radius)
-    strong = drop > np.maximum(0.35 * np.median(drop, axis=1), 4.0 * grain)[:, None]
+    strong: BoolArray = drop > np.maximum(0.35 * np.median(drop, axis=1), 4.0 * grain)[:, None]
     angle = np.arange(_RAYS) * (2.0 * np.pi / _RAYS)
     points = edge[:, :, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     middle = np.median(edge, axis=1)[:, None]
-    weight = strong * np.exp(-0.5 * ((edge - middle) / (0.3 * middle)) ** 2)
+    weight = np.exp(-0.5 * ((edge - middle) / (0.3 * middle)) ** 2) * strong
     for _ in range(4):
         fit = fit_ellipses(points, weight + 1e-6)
         off = np.abs(fit.level(points - fit.centre_px[:, None]) - 1.0)
         off = np.where(np.isfinite(off), off, 9.0)
-        weight = strong / (1.0 + (off / (0.5 * _ON_OUTLINE)) ** 2) ** 2
+        weight = 1.0 / (1.0 + (off / (0.5 * _ON_OUTLINE)) ** 2) ** 2 * strong
     share = ((off < _ON_OUTLINE) & strong).mean(axis=1)
     axes = fit.axes_px
     with np.errstate(invalid="ignore"):
@@ -134,23 +126,12 @@ def _steepest_fall(
     reach = radius[:, None, None] * along
     u = place[:, 0, None, None] + reach * np.cos(angle)[:, None]
     v = place[:, 1, None, None] + reach * np.sin(angle)[:, None]
-    samples = (
-        cv2
-        .remap(
-            smooth,
-            u.reshape(len(place), -1).astype(np.float32),
-            v.reshape(len(place), -1).astype(np.float32),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_REPLICATE,
-        )
-        .reshape(u.shape)
-        .astype(np.float32)
-    )
+    samples = sampled(smooth, u, v)
     fall = samples[:, :, :-3] - samples[:, :, 3:]
     best = fall.argmax(axis=2)
     drop = np.take_along_axis(fall, best[:, :, None], axis=2)[:, :, 0]
     step = (_REACH[1] - _REACH[0]) / (_SAMPLES - 1)
-    return radius[:, None] * (_REACH[0] + (best + 1.5) * step), drop
+    return radius[:, None] * (_REACH[0] + (best + 1.5) * step), drop.astype(np.float64)
 
 
 def _without_doubles(dots: Ellipses) -> Ellipses:

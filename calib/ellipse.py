@@ -59,7 +59,7 @@ class Ellipses:
         x, y = offset_px[..., 0], offset_px[..., 1]
         q11, q12, q22 = (self.form[:, i, None] for i in range(3))
         square = q11 * x * x + 2.0 * q12 * x * y + q22 * y * y
-        return np.sqrt(np.maximum(square, 0.0))
+        return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
     @property
     def axes_px(self) -> FloatArray:
@@ -72,7 +72,7 @@ class Ellipses:
     @property
     def radius_px(self) -> FloatArray:
         """Radius of the circle of the same area, shape (N,)."""
-        return np.sqrt(np.prod(self.axes_px, axis=1))
+        return np.asarray(np.sqrt(self.axes_px[:, 0] * self.axes_px[:, 1]))
 
 
 def fit_ellipses(points_px: FloatArray, weight: FloatArray) -> Ellipses:

@@ -4,11 +4,11 @@ import cv2
 import numpy as np
 
 from calib.arrays import Picture
-from calib.chessboard import CornerPattern
 from calib.errors import TargetNotFound
 from calib.noise import PixelNoise
 from calib.stripe_on_board import find_board_stripes, stripe_of_board
 from calib.target import Target
+from calib.target_corners import CornerPattern
 from calib.target_dots import DotPattern
 from calib.views import View
 

@@ -3,12 +3,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import SATURATED_FROM, PixelNoise
-from calib.ridge import Float32Array
+from calib.resample import Float32Array, smoothed
 
 Evaluate = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
 """(parameters (N, P), places (K, 2)) -> brightness (N, K), derivatives (N, P, K)
@@ -96,7 +95,8 @@ class Patches:
         """Return the same pixels, shape (N, K), of a picture whose corner is elsewhere."""
         u = self.origin[:, 0, None] + self.offset[:, 0] - corner[0]
         v = self.origin[:, 1, None] + self.offset[:, 1] - corner[1]
-        return part[np.clip(v, 0, part.shape[0] - 1), np.clip(u, 0, part.shape[1] - 1)]
+        v, u = np.clip(v, 0, part.shape[0] - 1), np.clip(u, 0, part.shape[1] - 1)
+        return np.asarray(part[v, u])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -204,10 +204,9 @@ def spread_over_scales(
     moves = [np.zeros((everything.size, 2))]
     part, corner = patches[0].cut_out(picture)
     for scale, at_scale in zip(SCALES_PX, patches, strict=True):
-        smoothed = cv2.GaussianBlur(part.astype(np.float32), (0, 0), scale)
         start = fit.parameters.copy()
         start[:, blur] = np.hypot(start[:, blur], scale)
-        samples = at_scale.of(np.asarray(smoothed, dtype=np.float32), corner)
+        samples = at_scale.of(smoothed(part.astype(np.float32), scale), corner)
         residual, weight, jacobian = _seen(
             replace(at_scale, samples=samples), start, evaluate, everything
         )
@@ -216,7 +215,7 @@ def spread_over_scales(
     return np.asarray(np.std(moves, axis=0))
 
 
-def masked_median(values: FloatArray, use: BoolArray) -> FloatArray:
+def masked_median(values: FloatArray | Float32Array, use: BoolArray) -> FloatArray:
     """Return the median of each row, shape (N,), over the entries used; 0 where none is."""
     ordered = np.sort(np.where(use, values, np.inf), axis=1)
     count = use.sum(axis=1)

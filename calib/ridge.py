@@ -12,14 +12,13 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from calib.arrays import BoolArray, FloatArray, IntArray
+from calib.resample import Float32Array
 
 KERNEL_REACH = 3.6
 """Half-width of a kernel in sigmas; beyond it lies 0.03 % of a Gaussian."""
 
 FRACTIONS = 32
 """Places between pixels are taken to 1/32 px; the step from there to the top makes up the rest."""
-
-Float32Array = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

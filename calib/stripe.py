@@ -4,10 +4,11 @@ import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import PixelNoise
+from calib.resample import shrunk
 from calib.ridge import FRACTIONS, inside, kernel_radius, ridge_between_pixels, windows_at
 from calib.stripe_order import running_mean
 from calib.stripe_profile import Profiles, fit_profiles, sample_across
-from calib.stripe_seeds import StripeSeeds, find_seeds, halved
+from calib.stripe_seeds import StripeSeeds, find_seeds
 from calib.views import Cause, StripePoints
 
 KERNELS_PX = (1.5, 2.1, 3.0, 4.2, 6.0)
@@ -69,12 +70,12 @@ def locate_stripe(
               \cdot\frac{\sigma_N^2}{M^2}
 
     with :math:`\sigma_w` and :math:`M` fitted to the profile and :math:`\sigma_N` that of the
-    flanks' brightness, shot noise included. Where the sensor clips, the spread over three kernels
-    is taken instead where it is larger. Neighbours share noise: errors a distance r apart along the stripe are
-    correlated by :math:`\exp(-r^2 / 4\sigma_g^2)`.
+    flanks' brightness, shot noise included. Where the sensor clips, Eq. 9 does not hold: there the
+    spread over three kernels is taken, and Eq. 7 with the curvature really found if that is
+    larger. Neighbours share noise: errors a distance r apart along the stripe are correlated by
+    :math:`\exp(-r^2 / 4\sigma_g^2)`.
 
-    A stripe that bends with radius R px is drawn inwards by about
-    :math:`(\sigma_g^2) / 2R`.
+    Smoothing draws a stripe that bends with radius R inwards, by :math:`\sigma_g^2 / 2R`.
 
     References
     ----------
@@ -128,7 +129,8 @@ def kernel_of(width_px: FloatArray) -> FloatArray:
 
 
 def _nearest_kernel(wanted_px: FloatArray) -> IntArray:
-    return np.abs(np.log(wanted_px[:, None] / np.array(KERNELS_PX))).argmin(axis=1)
+    ratio = np.log(wanted_px[:, None] / np.array(KERNELS_PX))
+    return np.asarray(np.abs(ratio).argmin(axis=1), dtype=np.int64)
 
 
 def _kernel_wanted(profiles: Profiles) -> FloatArray:
@@ -198,7 +200,7 @@ def _tops(
     """
     if kernel > _WIDEST_KERNEL_PX:
         place, normal, curvature = _tops(
-            halved(picture), 0.5 * (start - 0.5), 2.0 * slope, 0.5 * kernel
+            shrunk(picture, 2), 0.5 * (start - 0.5), 2.0 * slope, 0.5 * kernel
         )
         return 2.0 * place + 0.5, normal, 0.25 * curvature
     place, normal = start.copy(), np.zeros_like(start)
@@ -264,4 +266,4 @@ def _one_a_pixel(centre_px: FloatArray, usable: BoolArray) -> IntArray:
     index = np.flatnonzero(usable)
     pixel = np.rint(centre_px[index]).astype(np.int64)
     first = np.unique((pixel[:, 1] << 32) + pixel[:, 0], return_index=True)[1]
-    return index[np.sort(first)]
+    return np.asarray(index[np.sort(first)])

@@ -7,7 +7,7 @@ import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.ellipse import Ellipses
-from calib.grid import apply_homography
+from calib.homography import apply_homography
 from calib.noise import PixelNoise
 from calib.stripe import kernel_of, locate_stripe
 from calib.stripe_lines import StripeLine, find_lines
@@ -48,10 +48,9 @@ class BoardArea:
     @property
     def pitch_px(self) -> float:
         """Distance of neighbours in the middle of the target."""
-        middle = 0.5 * (self.low + self.high)
-        points = apply_homography(
-            self.picture_from_node, np.array([middle, middle + [1, 0], middle + [0, 1]])
-        )
+        middle = np.asarray(0.5 * (self.low + self.high), dtype=np.float64)
+        beside = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        points = apply_homography(self.picture_from_node, middle + beside)
         return float(np.linalg.norm(points[1:] - points[0], axis=1).min())
 
     @property
@@ -63,7 +62,7 @@ class BoardArea:
         """Return the pixels on the board, `margin_pitches` beyond its outermost points."""
         (a, b), (c, d) = self.low - margin_pitches, self.high + margin_pitches
         corners = apply_homography(
-            self.picture_from_node, np.array([[a, b], [c, b], [c, d], [a, d]])
+            self.picture_from_node, np.array([[a, b], [c, b], [c, d], [a, d]], dtype=np.float64)
         )
         mask = np.zeros(shape[:2], dtype=np.uint8)
         cv2.fillConvexPoly(mask, np.rint(np.clip(corners, -20000, 20000)).astype(np.int32), 1)
@@ -167,7 +166,7 @@ def _independent(points: StripePoints, line: StripeLine) -> IntArray:
     off_middle = np.abs(along / stretch - number - 0.5)
     order = np.lexsort((off_middle, number))
     first = np.concatenate([[True], np.diff(number[order]) > 0])
-    return order[first]
+    return np.asarray(order[first], dtype=np.int64)
 
 
 def _with_true_sigma(points: StripePoints, line: StripeLine, *, off_board: bool) -> StripePoints:

@@ -2,12 +2,11 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import SATURATED_FROM
-from calib.ridge import Float32Array
+from calib.resample import Float32Array, sampled
 
 _ITERATIONS = 3
 _MORE_IF_CLIPPED = 8
@@ -49,23 +48,11 @@ class Profiles:
 def sample_across(
     picture: Picture, place_px: FloatArray, normal: FloatArray, reach: int
 ) -> Float32Array:
-    """Return brightness along normals, shape (N, 2 * reach + 1), one sample a pixel; N < 32767.
-
-    Beyond the picture the nearest pixel repeats.
-    """
+    """Return brightness along normals, shape (N, 2 * reach + 1), one sample a pixel; N < 32767."""
     offset = np.arange(-reach, reach + 1)
     u = place_px[:, :1] + offset * normal[:, :1]
     v = place_px[:, 1:] + offset * normal[:, 1:]
-    return np.asarray(
-        cv2.remap(
-            picture,
-            u.astype(np.float32),
-            v.astype(np.float32),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_REPLICATE,
-        ),
-        dtype=np.float32,
-    )
+    return sampled(picture, u, v)
 
 
 def fit_profiles(samples: Float32Array) -> Profiles:
@@ -118,7 +105,8 @@ def fit_profiles(samples: Float32Array) -> Profiles:
 
 def _window(c: Float32Array, width_px: Float32Array) -> Float32Array:
     """Look no farther than the stripe's foot, so that neighbours do not pull."""
-    return (np.abs(c) <= np.maximum(4.0 * width_px + 2.0, 6.0)[:, None]).astype(np.float32)
+    inside = np.abs(c) <= np.maximum(4.0 * width_px + 2.0, 6.0)[:, None]
+    return np.asarray(inside, dtype=np.float32)
 
 
 def _first_guess(samples: Float32Array) -> Float32Array:

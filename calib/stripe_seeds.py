@@ -1,7 +1,6 @@
 """Where a stripe may be: ridges of the picture at a fraction of its size and at half that."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import cv2
 import numpy as np
@@ -9,7 +8,8 @@ from numpy.typing import NDArray
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.noise import PixelNoise
-from calib.ridge import Float32Array, Ridge, gaussian_rows
+from calib.resample import Float32Array, shrunk
+from calib.ridge import Ridge, gaussian_rows
 from calib.stripe_order import order_along
 
 _SHRINK, _SHRINK_SMALL = 4, 2
@@ -82,8 +82,9 @@ def find_seeds(
         Shorter ridges are left out.
     """
     shrink = _SHRINK if max(picture.shape) > _SMALL_SIDE_PX else _SHRINK_SMALL
-    small = halved(halved(picture) if shrink == _SHRINK else picture).astype(np.float32)
-    smaller = halved(small)
+    # Twice by two is three times as fast as once by four.
+    small = shrunk(shrunk(picture, 2) if shrink == _SHRINK else picture, 2).astype(np.float32)
+    smaller = shrunk(small, 2)
     deviation = np.sqrt(noise.floor) / shrink
     fine = _coarse_ridges(small, deviation, min_height)
     wide = _upscaled(_coarse_ridges(smaller, 0.5 * deviation, min_height))
@@ -95,13 +96,6 @@ def find_seeds(
     return _spread(
         _chained(found, small.shape, min_length_px / shrink, _MOST_POINTS // shrink), shrink
     )
-
-
-def halved(picture: NDArray[Any]) -> NDArray[Any]:
-    """Return a picture at half its size, each pixel the mean of four; an odd side loses one."""
-    height, width = (max(side // 2, 1) for side in picture.shape)
-    cut = picture[: 2 * height, : 2 * width]
-    return np.asarray(cv2.resize(cut, (width, height), interpolation=cv2.INTER_AREA))
 
 
 def _coarse_ridges(small: Float32Array, deviation: float, min_height: float) -> _CoarsePoints:

@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.agreement import agreeing
 from calib.arrays import BoolArray, IntArray, Picture
 from calib.dots_centre import DotCentres, measure_dots
 from calib.dots_find import find_dots
 from calib.ellipse import Ellipses
-from calib.grid import Lattice, agreeing, find_lattice, inside_target, number
+from calib.lattice import Lattice, find_lattice
 from calib.noise import PixelNoise
+from calib.numbering import inside_target, number
 from calib.seen import SeenTarget
 from calib.stripe_lines import StripeLine
 from calib.stripe_on_board import BoardArea

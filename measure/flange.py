@@ -16,7 +16,9 @@ _SIN_TANGENT = 0.42  # 25 degrees: a worn face is steeper by as much
 _MIN_SHARE = 0.3
 _MIN_TIP_SHARE = 0.5
 _RIVAL_SHARE = 0.8
-_RIVAL_DISTANCE_MM = 30.0
+# Nearer than this, across and up, it is the same flange again.
+_RIVAL_DISTANCE_MM = (30.0, 8.0)
+_MOST_SIGHTINGS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,26 +56,27 @@ class Sighting:
 
 
 def find_flanges(voters: Voters, template: Template) -> tuple[Sighting, ...]:
-    """Return the flange of a section; two where a second one has nearly as much support.
+    """Return the flanges of a section, the best supported first; no flange, no sighting.
 
     Each point votes for the shifts that put it on a point of the template's flange with the same
     direction, on a side that the camera can see. A shift with many votes is a flange; strays
-    vote everywhere. Tread wear moves no flange, and so not the vote.
+    vote everywhere. Tread wear moves no flange, and so not the vote. A second sighting with
+    nearly as much support is a second wheel, or the wheel again by a reflection of the sheet.
     """
     few = voters.thinned()
     chosen = template.flange()[::_EVERY]
     difference = few.points_mm[:, None] - template.points_mm[chosen]
-    allowed = _agrees(few, template, chosen)
-    shifts = difference[allowed]
-    if not len(shifts):
-        return ()
-    first = _peak(shifts, few, template)
-    away = np.abs(shifts[:, 0] - first.shift_mm[0]) > _RIVAL_DISTANCE_MM
-    if not first.credible or not away.any():
-        return (first,) if first.credible else ()
-    second = _peak(shifts[away], few, template)
-    rival = second.credible and second.share >= _RIVAL_SHARE * first.share
-    return (first, second) if rival else (first,)
+    shifts = difference[_agrees(few, template, chosen)]
+    found: list[Sighting] = []
+    while len(shifts) and len(found) < _MOST_SIGHTINGS:
+        sighting = _peak(shifts, few, template)
+        least = _RIVAL_SHARE * found[0].share if found else 0.0
+        if not (sighting.credible and sighting.share >= least):
+            break
+        found.append(sighting)
+        near = np.abs(shifts - sighting.shift_mm) < _RIVAL_DISTANCE_MM
+        shifts = shifts[~near.all(axis=1)]
+    return tuple(found)
 
 
 def _agrees(few: Voters, template: Template, chosen: IntArray) -> BoolArray:

@@ -11,11 +11,12 @@ from measure.cleaning import Kept, keep_wheel
 from measure.flange import Voters, find_flanges
 from measure.mounting import Mounting
 from measure.noise import Noise
-from measure.registration import refine_shift
+from measure.registration import refine_shift, unworn_misfit_mm
 from measure.section import AxleMap, Section, SheetPoints, radial_place_mm
 from measure.template import Template
 
 MIN_WHEEL_POINTS = 60
+WHEELS_APART_MM = 30.0
 _MIN_TREAD_POINTS = 20
 _TREAD_HALF_MM = 12.0
 _AXLE_ROUNDS = 3
@@ -76,7 +77,7 @@ def lay_by_axle(
     kept = keep(section, sheet, shift, template)
     if isinstance(kept, Unmeasured):
         return kept
-    wheel = sheet.select(kept.index)
+    wheel = sheet.select(kept.index).unbent(sensor)
     section = Section.of(wheel, axle.map(mounting))
     for _ in range(_AXLE_ROUNDS):
         tread = _tread_in_rig(wheel, section, shift, mounting)
@@ -109,19 +110,25 @@ def lay_by_axle(
 
 
 def place_of_flange(section: Section, template: Template) -> FloatArray | Unmeasured:
-    """Return the shift that lays a section's one flange over the reference, roughly."""
+    """Return the shift that lays a section's one flange over the reference.
+
+    A sheet that is reflected draws the wheel a second time. Laid out by the true sheet, its
+    section is out of shape: of several flanges of one wheel the one that fits best is taken.
+    """
     voters = Voters(section.points_mm, section.tangent, section.to_camera)
     flanges = find_flanges(voters, template)
     if not flanges:
         return Unmeasured(
             f"no wheel: nothing like a flange among {len(section.points_mm)} stripe points"
         )
-    if len(flanges) > 1:
-        first, second = (flange.shift_mm[0] for flange in flanges)
+    apart = max(abs(flange.shift_mm[0] - flanges[0].shift_mm[0]) for flange in flanges)
+    if apart > WHEELS_APART_MM:
         return Unmeasured(
-            f"two wheels: flanges {abs(first - second):.0f} mm apart in one picture; one is allowed"
+            f"two wheels: flanges {apart:.0f} mm apart in one picture; one is allowed"
         )
-    return refine_shift(section.points_mm, flanges[0].shift_mm, template)
+    shifts = [refine_shift(section.points_mm, flange.shift_mm, template) for flange in flanges]
+    misfits = [unworn_misfit_mm(section.points_mm, shift, template) for shift in shifts]
+    return shifts[int(np.argmin(misfits))]
 
 
 def keep(

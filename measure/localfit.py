@@ -70,7 +70,7 @@ class LocalFit:
         _, axes = np.linalg.eigh((offset * w[:, None]).T @ offset)
         tangent, normal = axes[:, 1], axes[:, 0]
         s, f = offset @ tangent, offset @ normal
-        # Too short a piece fixes no parabola: at the end of a profile nearly half the window is left.
+        # Too short a piece fixes no parabola: where a profile ends, half a window is left of it.
         if not np.ptp(s) >= _MIN_SPAN * half_window_mm:
             return None
         design = np.column_stack([np.ones(len(s)), s, s * s])

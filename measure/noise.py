@@ -14,6 +14,8 @@ _MEDIAN_POINTS = 9
 _LONG_POINTS = 61
 _MAX_LAG = 30
 _CLIP_SIGMAS = 3.0
+_ROUNDS = 3
+_MOST_HIDDEN = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,17 +71,23 @@ def noise_of(
     """
     rest = rest_of(along_mm[smooth], outside_mm[smooth], _LONG_POINTS)
     width, own = width_mm[smooth], sigma_mm[smooth]
-    excess = robust_sigma(rest / width) ** 2 - _median_square(own / width)
-    share = float(np.sqrt(max(excess, 0.0)))
-    sigma = np.hypot(sigma_mm, share * width_mm)
-    score = np.clip(rest / sigma[smooth], -_CLIP_SIGMAS, _CLIP_SIGMAS)
-    return Noise(share, _run_points(score), sigma)
+    run_points = 1.0
+    for _ in range(_ROUNDS):
+        # The parabola follows what neighbours share: the longer their runs, the more it hides.
+        hidden = min(_hidden(_LONG_POINTS, run_points), _MOST_HIDDEN)
+        shown = rest / np.sqrt(1.0 - hidden)
+        excess = robust_sigma(shown / width) ** 2 - _median_square(own / width)
+        share = float(np.sqrt(max(excess, 0.0)))
+        score = shown / np.hypot(own, share * width)
+        run_points = _run_points(np.clip(score, -_CLIP_SIGMAS, _CLIP_SIGMAS), hidden)
+    return Noise(share, run_points, np.hypot(sigma_mm, share * width_mm))
 
 
 def rest_of(along_mm: FloatArray, outside_mm: FloatArray, points: int) -> FloatArray:
     """Return how far each point lies off a running parabola through `points` neighbours, mm.
 
-    Runs too short for it are left at zero; gross errors do not bend the parabola.
+    Runs too short for it are left at zero; gross errors do not bend the parabola. A part of the
+    points' own scatter is hidden in it: 9 / 4K of the variance of white noise.
     """
     rest = np.zeros(len(along_mm))
     breaks = np.flatnonzero(np.diff(along_mm) > _GAP_MM) + 1
@@ -91,8 +99,7 @@ def rest_of(along_mm: FloatArray, outside_mm: FloatArray, points: int) -> FloatA
         gross = np.abs(rough) > 6.0 * max(robust_sigma(rough), 1e-6)
         steady = np.where(gross, height - rough, height)
         rest[run] = height - savgol_filter(steady, points, 2)
-    # The point itself takes part in its parabola: 9 / 4K of its variance is hidden there.
-    return np.asarray(rest / np.sqrt(1.0 - 9.0 / (4.0 * points)))
+    return rest
 
 
 def robust_sigma(values: FloatArray) -> float:
@@ -104,16 +111,21 @@ def _median_square(values: FloatArray) -> float:
     return float(np.median(np.square(values))) if len(values) else 0.0
 
 
-def _run_points(score: FloatArray) -> float:
+def _hidden(points: int, run_points: float) -> float:
+    """Return the share of the variance that a parabola through so many points follows."""
+    return 9.0 * run_points / (4.0 * points)
+
+
+def _run_points(score: FloatArray, hidden: float) -> float:
     """Return 1 + 2 (sum of the correlations of neighbours), as far as they are there."""
     power = float(np.mean(score**2)) if len(score) > 4 * _MAX_LAG else 0.0
     if not power > 0.0:
         return 1.0
     length = 1.0
-    # A parabola through K points leaves the residuals of white noise a correlation of -9 / 4K.
-    expected = -9.0 / (4.0 * _LONG_POINTS)
     for lag in range(1, _MAX_LAG + 1):
-        correlation = float(np.mean(score[lag:] * score[:-lag])) / power - expected
+        seen = float(np.mean(score[lag:] * score[:-lag])) / power
+        # What the parabola took is missing from all correlations alike.
+        correlation = seen * (1.0 - hidden) + hidden
         if correlation < 3.0 / np.sqrt(len(score)):
             break
         length += 2.0 * correlation

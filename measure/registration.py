@@ -54,6 +54,14 @@ def refine_shift(points_mm: FloatArray, shift_mm: FloatArray, template: Template
     return shift_mm
 
 
+def unworn_misfit_mm(points_mm: FloatArray, shift_mm: FloatArray, template: Template) -> float:
+    """Return the median distance from the reference of the points on its unworn side."""
+    along, outside, _ = template.place(points_mm - shift_mm)
+    unworn = along < template.along_mm[template.tip] + _PAST_TIP_MM
+    near = np.abs(outside[unworn & (np.abs(outside) < _NEAR_MM)])
+    return float(np.median(near)) if len(near) else float("inf")
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class BackFace:
     """The flange back as seen: its lateral place a as a weighted mean of points."""

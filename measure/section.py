@@ -107,7 +107,7 @@ class SheetPoints:
         Shape (N, 3): motion of the point for one sigma across the stripe, and for one pixel
         along it.
     bend_mm
-        Shape (N, 3): how far the bend of the stripe had drawn the point; it is taken off.
+        Shape (N, 3): how far the bend of the stripe had drawn the point, where that is taken off.
     by_sensor
         Shape (N, 3, 13): motion of the point by the sensor's parameters.
     """
@@ -125,11 +125,25 @@ class SheetPoints:
     @classmethod
     def of(cls, stripe: StripePoints, sensor: LaserSensor) -> "SheetPoints":
         """Locate the points of a stripe; pixels whose ray misses the sheet are left out."""
-        drawn_px = bend_px(stripe)
-        straight = replace(stripe, centre_px=stripe.centre_px - drawn_px[:, None] * stripe.normal)
-        points = sensor.locate(straight.centre_px)
+        return cls._located(stripe, np.zeros(len(stripe)), sensor)
+
+    def unbent(self, sensor: LaserSensor) -> "SheetPoints":
+        """Locate the points again, with what their bends had drawn them taken off.
+
+        How far that was is told from the widths of all points: only points of the wheel may be
+        among them.
+        """
+        drawn_px = bend_px(self.stripe)
+        centre_px = self.stripe.centre_px - drawn_px[:, None] * self.stripe.normal
+        return self._located(replace(self.stripe, centre_px=centre_px), drawn_px, sensor)
+
+    @classmethod
+    def _located(
+        cls, stripe: StripePoints, drawn_px: FloatArray, sensor: LaserSensor
+    ) -> "SheetPoints":
+        points = sensor.locate(stripe.centre_px)
         hit = np.flatnonzero(np.isfinite(points).all(axis=1))
-        seen = straight.select(hit)
+        seen = stripe.select(hit)
         by_pixel, by_sensor = sensor.location_jacobians(seen.centre_px)
         tangent = seen.normal[:, ::-1] * [-1.0, 1.0]
         across = (by_pixel @ seen.normal[:, :, None])[:, :, 0]

@@ -61,7 +61,7 @@ def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) ->
     kept = keep(section, sheet, shift, template)
     if isinstance(kept, Unmeasured):
         return kept
-    wheel = sheet.select(kept.index)
+    wheel = sheet.select(kept.index).unbent(sensor)
     section = Section.of(wheel, lie.map(sensor))
     y, z = (section.points_mm - shift).T
     turn = np.stack([z, -y], axis=1) * _SIGMA_ROTATION_RAD

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from calib.arrays import BoolArray, FloatArray, IntArray
-from calib.joint.parameters import POSE_SIZE
+from calib.arrays import BoolArray, IntArray
 from calib.joint.solve import Problem, Solution
 from calib.start import LEAST_STRIPE_POINTS
 
@@ -11,6 +10,9 @@ from calib.start import LEAST_STRIPE_POINTS
 _MOST_SURPRISE = 25.0
 # Median of chi square with two degrees of freedom.
 _MEDIAN_SURPRISE = 1.386
+# A stripe that alone determines its pose leaves nothing to compare it with; rounding must not
+# make less than nothing of it.
+_LEAST_REMAINDER = 1e-6
 # A stripe that leaves less than this part of its view's dots believable has pulled the pose away.
 _LEAST_DOTS_BELIEVED = 0.5
 
@@ -18,9 +20,10 @@ _LEAST_DOTS_BELIEVED = 0.5
 def believable_stripes(problem: Problem, solution: Solution) -> BoolArray:
     """Tell the views whose stripe lies on the sheet of the others, shape (M,).
 
-    Each stripe is compared, by its offset and slope, with what the dots of its view and the sheet
-    foretell; what the dots leave open counts, else against noisy dots every stripe looked false.
-    Where all stripes surprise more than they should, the common excess is taken as usual.
+    Each stripe is compared, by its offset and slope, with what everything else foretells: the
+    dots of its view, and the sheet of the other views. What these leave open counts, else against
+    noisy dots every stripe looked false. Where all stripes surprise more than they should, the
+    common excess is taken as usual.
     """
     seen = problem.observations
     edges = np.searchsorted(seen.stripe.view, np.arange(seen.count + 1))
@@ -35,23 +38,26 @@ def believable_stripes(problem: Problem, solution: Solution) -> BoolArray:
 
 
 def _surprise(problem: Problem, solution: Solution, view: int, rows: IntArray) -> float:
-    """Return chi square of a stripe's offset and slope from what dots and sheet foretell."""
-    table = problem.observations.stripe
+    r"""Return chi square of a stripe's offset and slope from what everything else foretells.
+
+    Of a stripe that took part, with the variance V of its own offset and slope and the variance A
+    that the solve leaves them, leaving it out would turn the residual m into
+    :math:`V (V - A)^{-1} m` and A into :math:`V (V - A)^{-1} A`: the leverage formula.
+    """
     # Single false points must not decide over the whole.
     rows = rows[problem.on_line[rows]]
-    along = table.along_px[rows] - table.along_px[rows].mean()
-    design = np.column_stack([np.ones(len(rows)), along / max(along.std(), 1e-9)])
-    to_line = np.linalg.pinv(design)
-    jacobian: FloatArray = to_line @ solution.stripe.jacobian[rows, 0]
-    by_pose, by_shared = jacobian[:, :POSE_SIZE], jacobian[:, POSE_SIZE:]
-    # The pose as the dots alone have it: the stripe may have pulled it.
-    pose_covariance = np.linalg.inv(solution.dots_equations.views[view])
-    pose_step = pose_covariance @ solution.dots_equations.views_side[view]
-    seen = to_line @ solution.stripe.residual[rows, 0] - by_pose @ pose_step
+    along = problem.observations.stripe.along_px[rows]
+    along = (along - along.mean()) / max(along.std(), 1e-9)
+    to_line = np.stack([np.ones(len(rows)), along]) / len(rows)
+    jacobian = to_line @ solution.stripe.jacobian[rows, 0]
+    seen = to_line @ solution.stripe.residual[rows, 0]
+    left = jacobian @ solution.covariance.of_view(view) @ jacobian.T
+    mixture = solution.stripe_mixture
+    weight = mixture.weights(solution.stripe.residual[rows]).sum()
+    if problem.stripe_in[view] and weight >= 1.0:
+        leverage, axes = np.linalg.eigh(left * (weight / mixture.variance))
+        growth = axes @ np.diag(1.0 / np.maximum(1.0 - leverage, _LEAST_REMAINDER)) @ axes.T
+        seen, left = growth @ seen, growth @ left
     # The noise of one point is allowed to the whole: a stripe may be a little off as a whole.
-    expected = (
-        by_pose @ pose_covariance @ by_pose.T
-        + by_shared @ solution.covariance.shared @ by_shared.T
-        + np.eye(2) * solution.stripe_mixture.scale**2
-    )
+    expected = left + np.eye(2) * mixture.scale**2
     return float(seen @ np.linalg.solve(expected, seen))

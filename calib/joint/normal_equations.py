@@ -158,6 +158,11 @@ class ArrowCovariance:
     cross: FloatArray
     shared: FloatArray
 
+    def of_view(self, view: int) -> FloatArray:
+        """Return the covariance of one pose and the global block, shape (6 + G, 6 + G)."""
+        cross = self.cross[view]
+        return np.block([[self.views[view], cross], [cross.T, self.shared]])
+
     def freedom_spent_on(self, part: NormalEquations) -> float:
         """Return the degrees of freedom that one kind of point pays: trace of inverse times part.
 

@@ -72,8 +72,6 @@ class Solution:
         Residuals and Jacobian there.
     dots_mixture, stripe_mixture
         How the points scatter.
-    dots_equations
-        Normal equations of the dots alone.
     covariance
         Of poses and global parameters, scaled by the scatter seen.
     cost
@@ -87,7 +85,6 @@ class Solution:
     stripe: Linear
     dots_mixture: Mixture
     stripe_mixture: Mixture
-    dots_equations: NormalEquations
     covariance: ArrowCovariance
     cost: float
     iterations: int
@@ -336,14 +333,13 @@ def _undetermined(error: np.linalg.LinAlgError) -> NotConverged:
 
 
 def _solution(problem: Problem, place: _Place, belief: _Belief, iterations: int) -> Solution:
-    dots, _, total = belief.equations(problem, place)
+    total = belief.equations(problem, place)[2]
     return Solution(
         estimate=place.estimate,
         dots=place.dots,
         stripe=place.stripe,
         dots_mixture=belief.dots,
         stripe_mixture=belief.stripe,
-        dots_equations=dots,
         covariance=_covariance(total),
         cost=total.cost,
         iterations=iterations,

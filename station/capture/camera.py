@@ -7,6 +7,7 @@ from typing import Any
 from station.capture.aravis import Aravis, GLib
 from station.capture.open_stream import open_stream
 from station.capture.plan import Trigger
+from station.capture.ping import answers_ping
 from station.capture.ring import Ring
 from station.capture.stream import FrameStream
 from station.errors import CameraError, CameraLost, CameraRefused, CameraUnreachable
@@ -30,6 +31,11 @@ class Camera:
         """
         self._settings = settings
         address = settings.address
+        if not answers_ping(address):
+            raise CameraUnreachable(
+                f"no camera answers at {address}; `station camera list` shows those in reach: "
+                "check address, power and cable"
+            )
         try:
             self._camera = Aravis.Camera.new(address)
         except GLib.Error as error:
@@ -50,12 +56,8 @@ class Camera:
         return bool(self._device.is_controller())
 
     def answers(self) -> bool:
-        """Ask the camera; False after about a second and a half of silence."""
-        try:
-            self._camera.get_integer("Width")
-        except GLib.Error:
-            return False
-        return self.in_control()
+        """Ask the camera; False where it is silent or obeys another."""
+        return answers_ping(self._settings.address) and self.in_control()
 
     def start(self, trigger: Trigger, ring: Ring, free_slots: Iterable[int]) -> FrameStream:
         """Begin to acquire into the free slots of the ring."""
@@ -82,7 +84,6 @@ class Camera:
 
     def close(self) -> None:
         """Let go of the camera; it can be opened again once nothing refers to it."""
-        self.stop()
         del self._device, self._camera
 
     def description(self) -> dict[str, str]:
@@ -156,6 +157,5 @@ def _unopened(address: str, error: Any) -> CameraError:
     if error.matches(Aravis.device_error_quark(), Aravis.DeviceError.NOT_CONTROLLER):
         return CameraRefused(f"camera {address} is controlled by another program; end that first")
     return CameraUnreachable(
-        f"no camera answers at {address} ({error.message}); `station camera list` shows those in "
-        "reach: check address, power and cable"
+        f"camera {address} answers but cannot be opened: {error.message}; try again in a minute"
     )

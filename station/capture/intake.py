@@ -12,6 +12,7 @@ from station.recording import Event, EventKind
 
 _POP_TIMEOUT_US = 10_000
 _UNDERRUN_INTERVAL_S = 1.0
+_RESTARTS = 3
 
 
 class Intake:
@@ -160,17 +161,24 @@ class Intake:
     def revive(self) -> None:
         """Let another recorder go on with the file; what it must still write lies in the ring."""
         try:
-            outcomes = self._link.restart()
-        except (RecorderDied, StationError) as error:
-            again = RecordingError("the recorder died twice in a row; look at the system's log")
-            self.fail(error if isinstance(error, StationError) else again)
+            outcomes = self._restarted()
+        except StationError as error:
+            self.fail(error)
             for entry in self._link.abandon():
-                self._settle(Outcome(entry, self.failure))
+                self._settle(Outcome(entry, error))
             return
         for outcome in outcomes:
             self._settle(outcome)
         detail = "the recorder died; another goes on with its file"
         self.note(Event(EventKind.RECORDER_RESTARTED, time.time_ns(), detail))
+
+    def _restarted(self) -> tuple[Outcome, ...]:
+        for _ in range(_RESTARTS):
+            try:
+                return self._link.restart()
+            except RecorderDied:
+                continue
+        raise RecordingError(f"the recorder died {_RESTARTS} times in a row; see the system's log")
 
     def fail(self, failure: StationError) -> None:
         """Nothing more can be written: say so once, in the report; the file cannot hold it."""

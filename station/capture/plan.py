@@ -43,12 +43,11 @@ class RecordingPlan:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "trigger", Trigger(self.trigger))
+        object.__setattr__(self, "path", self.path.absolute())  # another process writes it
         if not (self.frames is None or self.frames > 0):
             raise ValueError(f"frames must be 1 or more, got {self.frames}")
         if not (self.seconds is None or self.seconds > 0.0):
             raise ValueError(f"seconds must be more than 0, got {self.seconds}")
-        if not self.path.is_absolute():
-            raise ValueError(f"the path must be absolute, another process writes: got {self.path}")
 
     def to_json(self) -> dict[str, Any]:
         """Return the plan as it goes to the capture process."""

@@ -20,7 +20,7 @@ from station.errors import CameraError, InputUnusable, StateConflict, StationErr
 from station.settings import SensorSettings
 
 _IDLE_WAIT_S = 0.1
-_TRIGGER_TIMEOUT_S = 3.0
+_TRIGGER_TIMEOUT_S = 2.0
 _REFUSABLE = (KeyError, TypeError, ValueError)
 """What an order that is not well formed raises."""
 

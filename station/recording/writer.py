@@ -229,14 +229,8 @@ class RecordingWriter:
         """Return the messages that say why the recording ends."""
         now = self._now_ns()
         body = Event(EventKind.DISK_FULL, now, "no space left; the recording ends here").message()
-        topics = [
-            (one.id, parse_topic(one.topic)) for one in self._appender.index.channels.values()
-        ]
-        return [
-            Message(channel, 0, now, now, (body,))
-            for channel, topic in topics
-            if topic is not None and topic[1] is Topic.EVENTS
-        ]
+        channels = channels_of(self._appender.index.channels.values(), Topic.EVENTS)
+        return [Message(channel, 0, now, now, (body,)) for channel in channels]
 
     def _count(self, topic: Topic) -> dict[str, int]:
         index = self._appender.index

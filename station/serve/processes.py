@@ -11,6 +11,7 @@ from station.capture import start_capture
 from station.serve.lifeline import end_with_parent
 from station.serve.logs import log_as
 from station.settings import SensorSettings, StationSettings
+from station.worker import run_worker
 
 _GRACE_S = 3
 _SPAWN = get_context("spawn")  # never fork: Aravis and SQLite do not survive it
@@ -43,8 +44,6 @@ def start_worker(settings: StationSettings) -> BaseProcess:
 
 
 def _run_worker(settings: StationSettings, supervisor_pid: int) -> None:
-    from station.worker.process import run_worker  # noqa: PLC0415  only this process pays for it
-
     end_with_parent(supervisor_pid)
     # Ctrl-C at a terminal reaches every process; in which order they end is the supervisor's.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

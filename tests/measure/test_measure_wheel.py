@@ -271,8 +271,8 @@ def test_one_frame_takes_at_most_25_milliseconds(rng):
     stripe = ws.stripe_on(ws.Wheel(tread_wear_mm=2.0), SENSOR, RIG, rng)
     spent = []
     for _ in range(12):
-        start = time.process_time()
+        start = time.thread_time()
         measured(stripe)
-        spent.append(time.process_time() - start)
+        spent.append(time.thread_time() - start)
     # The least of several: what the code costs, not what else the machine was doing.
     assert min(spent) <= 0.025

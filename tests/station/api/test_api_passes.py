@@ -2,6 +2,7 @@
 and worker are doubles: that frames and readings are right is shown elsewhere."""
 
 import threading
+import time
 
 from station.operations import Passes
 from station.store import (
@@ -120,6 +121,7 @@ def test_a_finish_that_comes_while_another_runs_gets_the_same_answer(served, cal
     callers = [threading.Thread(target=finish) for _ in range(3)]
     for caller in callers:
         caller.start()
+    time.sleep(0.5)  # by then all three are in, or wait before the door
     served.captures["left"].gate.set()
     for caller in callers:
         caller.join()

@@ -1,4 +1,4 @@
-"""Numbering: which of the points found are those of the target, and which is which."""
+"""A projected lattice among points: neighbours of neighbours, where a homography expects them."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -7,16 +7,14 @@ import cv2
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray
+from calib.homography import apply_homography
+from calib.numbering import inside_target, number
 
 Node = tuple[int, int]
 
 _NEAR_PREDICTION = 0.22  # of the step to a neighbour
 _NEAR_HOMOGRAPHY = 0.18
 _MOST_SEEDS = 60
-_FARTHEST_OFF_PX = 8.0
-_NEAREST_OFF_PX = 0.05
-_FAR_OFF_PX = 0.3
-_FAR_OFF_SIGMAS = 5.0
 _SIZE_RATIO = 1.7
 _STEPS: tuple[Node, ...] = ((0, 1), (1, 0), (0, -1), (-1, 0))
 
@@ -87,28 +85,6 @@ class Lattice:
             n for n in zip(u.ravel().tolist(), v.ravel().tolist(), strict=True) if n not in taken
         ]
         return np.array(empty, dtype=np.int64).reshape(-1, 2)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Numbering:
-    """The map from lattice coordinates to row and column: ``(row, col) = turn @ node + shift``."""
-
-    turn: IntArray  # (2, 2)
-    shift: IntArray  # (2,)
-
-    def rows_and_cols(self, node: IntArray) -> IntArray:
-        """Return (row, col), shape (N, 2)."""
-        return node @ self.turn.T + self.shift
-
-    def nodes(self, place: IntArray) -> IntArray:
-        """Return the lattice coordinates of (row, col), shape (N, 2)."""
-        return (place - self.shift) @ self.turn
-
-
-def apply_homography(homography: FloatArray, points: FloatArray) -> FloatArray:
-    """Map points, shape (N, 2)."""
-    mapped = np.column_stack([points, np.ones(len(points))]) @ homography.T
-    return mapped[:, :2] / mapped[:, 2:]
 
 
 def find_lattice(points_px: FloatArray, size_px: FloatArray, wanted: int) -> Lattice | None:
@@ -229,7 +205,7 @@ def _checked(points_px: FloatArray, size_px: FloatArray, found: dict[Node, int])
     )
     if homography is None or agree.sum() < 6:
         return None
-    kept = Lattice(node[agree.ravel() > 0], index[agree.ravel() > 0], homography)
+    kept = Lattice(node[agree.ravel() > 0], index[agree.ravel() > 0], np.asarray(homography))
     return _with_predicted(points_px, size_px, kept, pitch)
 
 
@@ -286,144 +262,3 @@ def _with_predicted(
         np.concatenate([lattice.index, nearest[good]]),
         lattice.picture_from_node,
     )
-
-
-def number(node: IntArray, picture_from_node: FloatArray, rows: int, cols: int) -> Numbering | None:
-    """Decide which lattice coordinates are row 0 and column 0.
-
-    Parameters
-    ----------
-    node
-        Shape (N, 2), the nodes that are seen.
-    picture_from_node
-        Shape (3, 3).
-    rows, cols
-        Of the target.
-
-    Returns
-    -------
-    Numbering or None
-        None where it is not certain: a border row or column is not seen, or what is seen fits
-        the target in two places.
-    """
-    options = []
-    for upright in (True, False):
-        size = (rows, cols) if upright else (cols, rows)
-        corner = _window(node, size)
-        if corner is not None:
-            seen = int((((node - corner) >= 0) & ((node - corner) < size)).all(axis=1).sum())
-            options.append((seen, corner, upright))
-    if rows != cols and len(options) > 1:
-        options = (
-            [max(options, key=lambda option: option[0])] if (options[0][0] != options[1][0]) else []
-        )
-    turned = [
-        _oriented(corner, upright, picture_from_node, rows, cols) for _, corner, upright in options
-    ]
-    return max(turned, key=lambda pair: pair[0])[1] if turned else None
-
-
-def _window(node: IntArray, size: tuple[int, int]) -> IntArray | None:
-    """Return the corner of the only place where a window of `size` holds what is seen.
-
-    Every border line of the window must be seen by a third of its points, two at least; of
-    what lies outside there must be little.
-    """
-    corner = np.empty(2, dtype=np.int64)
-    for axis in (0, 1):
-        line = np.bincount(node[:, axis] - node[:, axis].min())
-        if len(line) < size[axis]:
-            return None
-        held = np.convolve(line, np.ones(size[axis], dtype=np.int64), mode="valid")
-        best = int(held.argmax())
-        across = size[1 - axis]
-        first, last = line[best], line[best + size[axis] - 1]
-        outside = np.delete(line, np.arange(best, best + size[axis]))
-        least = max(2.0, 0.34 * across)
-        # Points outside are chance finds: fewer than half of what the border line holds.
-        chance = outside.max() if outside.size else 0
-        if not (min(first, last) >= least and chance <= 0.5 * min(first, last)):
-            return None
-        corner[axis] = best + node[:, axis].min()
-    return corner
-
-
-def _oriented(
-    corner: IntArray, upright: bool, picture_from_node: FloatArray, rows: int, cols: int
-) -> tuple[float, Numbering]:
-    """Turn the numbering so that it is right-handed as seen and its rows run down.
-
-    Also return how much the rows run down, from -1 to 1.
-    """
-    best: tuple[float, Numbering] | None = None
-    to_rows = np.eye(2, dtype=np.int64) if upright else np.array([[0, 1], [1, 0]])
-    for row_sign in (1, -1):
-        for col_sign in (1, -1):
-            turn = np.diag([row_sign, col_sign]) @ to_rows
-            first = turn @ corner
-            shift = np.array([
-                -first[0] if row_sign > 0 else rows - 1 - first[0],
-                -first[1] if col_sign > 0 else cols - 1 - first[1],
-            ])
-            numbering = Numbering(turn, shift)
-            middle = np.array([[(rows - 1) // 2, (cols - 1) // 2]])
-            here, down, right = (
-                apply_homography(
-                    picture_from_node, numbering.nodes(middle + np.array(move)).astype(np.float64)
-                )[0]
-                for move in ((0, 0), (1, 0), (0, 1))
-            )
-            row_step, col_step = down - here, right - here
-            handed = col_step[0] * row_step[1] - col_step[1] * row_step[0]
-            downwards = float(row_step[1] / np.hypot(*row_step))
-            if handed > 0.0 and (best is None or downwards > best[0]):
-                best = (downwards, numbering)
-    if best is None:
-        raise AssertionError("two of the four turns of a lattice are right-handed")
-    return best
-
-
-def inside_target(place: IntArray, rows: int, cols: int) -> BoolArray:
-    """Return which (row, col), shape (N, 2), the target has."""
-    return np.asarray(((place >= 0) & (place < [rows, cols])).all(axis=1))
-
-
-def agreeing(
-    place: IntArray, centre_px: FloatArray, sigma_px: FloatArray
-) -> tuple[FloatArray, BoolArray]:
-    """Fit the map from (row, col) to the picture, and tell which points agree with it.
-
-    Parameters
-    ----------
-    place
-        Shape (N, 2), (row, col).
-    centre_px, sigma_px
-        Shape (N, 2).
-
-    Returns
-    -------
-    homography
-        Shape (3, 3).
-    agree
-        Shape (N,). A lens bends a target by up to some pixels: smoothly, as a polynomial of the
-        third degree follows. What is off by more than that, by its own sigma and by what is
-        usual in the picture, is no point of the target, or one that light has displaced.
-    """
-    homography, near = cv2.findHomography(
-        place.astype(np.float64), centre_px, cv2.RANSAC, _FARTHEST_OFF_PX
-    )
-    if homography is None:
-        raise AssertionError("points that were numbered by a homography have one")
-    agree = near.ravel() > 0
-    off = centre_px - apply_homography(homography, place.astype(np.float64))
-    x, y = ((place - place.mean(axis=0)) / max(float(np.ptp(place)), 1.0)).T
-    bend = np.stack([x**i * y**j for i in range(4) for j in range(4 - i)], axis=1)
-    weight = agree / np.maximum(sigma_px.max(axis=1), _NEAREST_OFF_PX)
-    for _ in range(6):
-        shape = np.linalg.lstsq(bend * weight[:, None], off * weight[:, None])[0]
-        rest = np.linalg.norm(off - bend @ shape, axis=1)
-        limit = np.maximum(_NEAREST_OFF_PX, 3.0 * sigma_px.max(axis=1))
-        weight = agree / limit / (1.0 + (rest / limit) ** 2)
-    usual = float(np.median(rest[agree])) / 1.1774  # the median of two normal parts, as a sigma
-    limit = np.maximum(_FAR_OFF_PX, _FAR_OFF_SIGMAS * np.maximum(sigma_px.max(axis=1), usual))
-    return homography, agree & (rest <= limit)

@@ -1,0 +1,76 @@
+"""The inner corners of a chessboard in one picture: found, numbered, measured."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.agreement import agreeing
+from calib.arrays import Picture
+from calib.corners_centre import measure_corners
+from calib.corners_find import find_corners
+from calib.lattice import Lattice, find_lattice
+from calib.noise import PixelNoise
+from calib.numbering import inside_target, number
+from calib.seen import SeenTarget
+from calib.stripe_lines import StripeLine
+from calib.stripe_on_board import BoardArea
+from calib.target import Target
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CornerPattern:
+    """Corners on a common lattice, not yet numbered."""
+
+    lattice: Lattice
+
+    def __len__(self) -> int:
+        return len(self.lattice)
+
+    @classmethod
+    def find(cls, picture: Picture, noise: PixelNoise, target: Target) -> "CornerPattern | None":
+        """Find the inner corners of a chessboard; None where none make a lattice."""
+        corners = find_corners(picture, noise)
+        lattice = find_lattice(corners, np.ones(len(corners)), target.rows * target.cols)
+        return None if lattice is None else cls(lattice)
+
+    def area(self, target: Target) -> BoardArea:
+        """Return where the target may be in the picture."""
+        low, high = self.lattice.extent(target.rows, target.cols)
+        return BoardArea(self.lattice.picture_from_node, low, high, None)
+
+    def numbered(
+        self, picture: Picture, noise: PixelNoise, target: Target, lines: list[StripeLine]
+    ) -> SeenTarget | None:
+        """Measure the corners, those that the lattice predicts as well, and number them.
+
+        Parameters
+        ----------
+        picture, noise, target
+            As the corners were found with.
+        lines
+            Stripes across the board.
+
+        Returns
+        -------
+        SeenTarget or None
+            None where the numbering is not certain.
+        """
+        mine, empty = self.lattice.within_target(target.rows, target.cols)
+        node = np.concatenate([self.lattice.node[mine], empty])
+        corners = measure_corners(picture, noise, self.lattice, node, lines)
+        keep = corners.trusted
+        numbering = number(node[keep], self.lattice.picture_from_node, target.rows, target.cols)
+        if numbering is None:
+            return None
+        place = numbering.rows_and_cols(node)
+        keep = keep & inside_target(place, target.rows, target.cols)
+        homography, agree = agreeing(place[keep], corners.centre_px[keep], corners.sigma_px[keep])
+        index = np.flatnonzero(keep)[agree]
+        return SeenTarget(
+            place[index],
+            corners.centre_px[index],
+            corners.sigma_px[index],
+            tuple(corners.cause[i] for i in index),
+            homography,
+            None,
+        )

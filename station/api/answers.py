@@ -1,0 +1,279 @@
+"""What comes out over HTTP."""
+
+from datetime import datetime
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict
+
+from station.operations import PassView, SessionView
+from station.store import (
+    Activation,
+    Calibration,
+    CalibrationState,
+    Job,
+    JobState,
+    Measurement,
+    PassState,
+    Recording,
+    SessionState,
+)
+
+
+class _Out(BaseModel):
+    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
+
+
+class RecordingModel(_Out):
+    """What one sensor recorded, and how its frames add up."""
+
+    id: str
+    sensor: str
+    pass_id: str | None
+    session_id: str | None
+    opened_at: datetime
+    closed_at: datetime | None
+    calibration: str | None
+    """The calibration in force when it was recorded."""
+    expected: int | None
+    """Frames the controller counted triggers for."""
+    recorded: int | None
+    lost: int | None
+    repeated: int | None
+    refused: int | None
+    complete: bool | None
+    recovered: bool
+    """A crash had cut it short, and it was made whole."""
+    summary: str | None
+
+    @classmethod
+    def of(cls, row: Recording) -> Self:
+        return cls(
+            calibration=row.calibration_id,
+            **{name: getattr(row, name) for name in cls.model_fields.keys() - {"calibration"}},
+        )
+
+
+class PassModel(_Out):
+    """A pass of a train."""
+
+    id: str
+    state: PassState
+    train: str | None
+    opened_at: datetime
+    finished_at: datetime | None
+    reason: str | None
+    job: str | None
+    """The job that measures it."""
+    recordings: list[RecordingModel]
+
+    @classmethod
+    def of(cls, view: PassView) -> Self:
+        row = view.row
+        return cls(
+            id=row.id,
+            state=row.state,
+            train=row.train,
+            opened_at=row.opened_at,
+            finished_at=row.finished_at,
+            reason=row.reason,
+            job=row.job_id,
+            recordings=[RecordingModel.of(recording) for recording in view.recordings],
+        )
+
+
+class SessionModel(_Out):
+    """A calibration session."""
+
+    id: str
+    state: SessionState
+    sensor: str
+    target: str
+    pictures: int
+    opened_at: datetime
+    finished_at: datetime | None
+    reason: str | None
+    recordings: list[RecordingModel]
+
+    @classmethod
+    def of(cls, view: SessionView) -> Self:
+        row = view.row
+        return cls(
+            id=row.id,
+            state=row.state,
+            sensor=row.sensor,
+            target=row.target,
+            pictures=row.pictures,
+            opened_at=row.opened_at,
+            finished_at=row.finished_at,
+            reason=row.reason,
+            recordings=[RecordingModel.of(recording) for recording in view.recordings],
+        )
+
+
+class MeasurementModel(_Out):
+    """One wheel as measured: by what, from what, with what result."""
+
+    id: int
+    recording: str
+    frame: int
+    sensor: str
+    pass_id: str | None
+    calibration: str
+    reference: str
+    software: str
+    measured_at: datetime
+    wheel: dict[str, Any]
+    """A row of `wheels` of results.json."""
+
+    @classmethod
+    def of(cls, row: Measurement) -> Self:
+        return cls(
+            id=row.id,
+            recording=row.recording_id,
+            frame=row.frame,
+            sensor=row.sensor,
+            pass_id=row.pass_id,
+            calibration=row.calibration_id,
+            reference=row.reference,
+            software=row.software,
+            measured_at=row.measured_at,
+            wheel=row.wheel,
+        )
+
+
+class WheelsModel(_Out):
+    """The wheels of a pass; complete once its state is done or recovered."""
+
+    pass_id: str
+    state: PassState
+    wheels: list[MeasurementModel]
+
+
+class MeasurementsPage(_Out):
+    """Some measurements; `next` is the `after` of the next page, absent on the last."""
+
+    measurements: list[MeasurementModel]
+    next: int | None
+
+
+class RecordingsPage(_Out):
+    """Some recordings; `next` is the `before` of the next page, absent on the last."""
+
+    recordings: list[RecordingModel]
+    next: str | None
+
+
+class JobModel(_Out):
+    """Long work of the worker."""
+
+    id: str
+    kind: str
+    subject: str
+    """The pass or calibration it works on."""
+    state: JobState
+    progress: float
+    """Part done, 0 to 1."""
+    doing: str
+    error: str | None
+    created_at: datetime
+    started_at: datetime | None
+    ended_at: datetime | None
+
+    @classmethod
+    def of(cls, row: Job) -> Self:
+        return cls(**{name: getattr(row, name) for name in cls.model_fields})
+
+
+class CalibrationModel(_Out):
+    """A calibration of a sensor."""
+
+    id: str
+    state: CalibrationState
+    sensor: str
+    target: str
+    method: str
+    recordings: list[str]
+    laser_off: list[str]
+    created_at: datetime
+    reason: str | None
+    """Why there is none, where it failed."""
+    job: str
+    passed: bool | None
+    """Whether its figures keep the limits."""
+    document: dict[str, Any] | None
+    """calibration.json."""
+
+    @classmethod
+    def of(cls, row: Calibration, document: dict[str, Any] | None) -> Self:
+        return cls(
+            id=row.id,
+            state=row.state,
+            sensor=row.sensor,
+            target=row.target,
+            method=row.method,
+            recordings=row.recording_ids["recordings"],
+            laser_off=row.recording_ids["laser_off"],
+            created_at=row.created_at,
+            reason=row.reason,
+            job=row.job_id,
+            passed=row.passed,
+            document=document,
+        )
+
+
+class ActivationModel(_Out):
+    """The calibration in force on a sensor."""
+
+    sensor: str
+    calibration: str
+    version: int
+    activated_at: datetime
+    activated_by: str
+
+    @classmethod
+    def of(cls, row: Activation) -> Self:
+        return cls(
+            sensor=row.sensor,
+            calibration=row.calibration_id,
+            version=row.version,
+            activated_at=row.activated_at,
+            activated_by=row.activated_by,
+        )
+
+
+class SensorModel(_Out):
+    """A sensor and how it is."""
+
+    id: str
+    side: str
+    address: str
+    state: str
+    """What its capture process says, or `unreachable`."""
+    problem: str | None
+    active_calibration: str | None
+
+
+class StationModel(_Out):
+    """The station and how it is."""
+
+    name: str
+    software: str
+    reference: str
+    sensors: list[SensorModel]
+    pass_in_progress: str | None
+    worker_ready: bool
+    disk_free_bytes: int
+    disk_total_bytes: int
+
+
+class Health(_Out):
+    """The API answers."""
+
+    status: str
+
+
+class Readiness(_Out):
+    """Which parts are ready; a part that is not says why."""
+
+    ready: bool
+    parts: dict[str, str]

@@ -1,0 +1,67 @@
+"""What goes in over HTTP: names, numbers and bodies, and how far each may go."""
+
+from typing import Annotated
+
+from fastapi import Path, Query
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from station.operations import MethodName
+from station.settings import SensorId
+
+_ID_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
+RecordingName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,127}$")]
+CallersId = Annotated[str, StringConstraints(pattern=_ID_PATTERN)]
+IdInPath = Annotated[
+    str, Path(pattern=_ID_PATTERN, description="Letters, digits, . _ and -, at most 64.")
+]
+RecordingInPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,127}$")]
+SensorInPath = Annotated[str, Path(pattern=r"^[a-z0-9][a-z0-9_-]{0,31}$")]
+Limit = Annotated[int, Query(ge=1, le=1000, description="Rows of a page at most.")]
+Count = Annotated[int, Field(ge=0, le=100_000)]
+
+
+class _In(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+class PassRequest(_In):
+    """A train comes."""
+
+    train: Annotated[str, StringConstraints(max_length=128)] | None = None
+    """What the controller calls the train."""
+
+
+class FinishRequest(_In):
+    """The train has gone."""
+
+    axles: Count | None = None
+    """Axles counted: one wheel, one trigger for every sensor."""
+    triggers: dict[SensorId, Count] = Field(default_factory=dict)
+    """Triggers of single sensors, where they differ from `axles`."""
+
+
+class SessionRequest(_In):
+    """Pictures for a calibration are to be taken."""
+
+    sensor: SensorId
+    target: Annotated[str, StringConstraints(max_length=64)]
+    """For example dots:7x8:12, or chessboard:9x6:5."""
+
+
+class CalibrationRequest(_In):
+    """A calibration is to be solved from a session, or from recordings."""
+
+    sensor: SensorId
+    method: MethodName = "joint"
+    session: CallersId | None = None
+    recordings: tuple[RecordingName, ...] = Field(default=(), max_length=64)
+    target: Annotated[str, StringConstraints(max_length=64)] | None = None
+    """Absent: the session's."""
+    laser_off: tuple[RecordingName, ...] = Field(default=(), max_length=64)
+    """Recordings of the same poses without laser."""
+
+
+class ActivationRequest(_In):
+    """A calibration is to come into force."""
+
+    calibration: CallersId

@@ -1,0 +1,183 @@
+"""What is left when a process dies or the camera goes: nothing that another holds is lost."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from capture_rig import (
+    assert_served,
+    capture_of,
+    is_idle,
+    plan_for,
+    sensor_at,
+    small_camera,
+    wait_for,
+)
+
+from station.capture import CaptureState
+from station.errors import CameraLost, CameraUnreachable
+from station.recording import EventKind, active_path, events, frames, recover, verify
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "a.mcap"
+
+
+def recorder_of(process):
+    """Return the process id of the recorder, the capture process's only child."""
+    (child,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    return int(child)
+
+
+def is_running(pid):
+    """Whether a process still has its files open; one that waits to be reaped has not."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
+
+
+def wait_until(happened, timeout_s=10.0):
+    deadline = time.monotonic() + timeout_s
+    while not happened():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def fire(camera, count):
+    for _ in range(count):
+        assert camera.trigger_line1()
+        time.sleep(0.01)
+
+
+def kinds(recorded):
+    return {event.kind for event in recorded}
+
+
+def test_killed_recorder_is_replaced_and_no_frame_is_lost(tmp_path, path):
+    address = "127.20.3.1"
+    with (
+        small_camera(address) as camera,
+        capture_of(sensor_at(address, ring_slots=200), tmp_path) as (client, process),
+    ):
+        wait_for(client, is_idle)
+        client.arm(plan_for(path))
+        for _ in range(2):
+            fire(camera, 10)
+            os.kill(recorder_of(process), signal.SIGKILL)
+            fire(camera, 10)
+        report = client.finish(expected_frames=40)
+    assert (report.recorded, report.lost, report.complete) == (40, 0, True)
+    assert_served(path, 0, range(1, 41))
+    assert EventKind.RECORDER_RESTARTED in kinds(events(path))
+    assert verify(path).ok
+
+
+def test_recorder_killed_between_recordings_is_replaced(tmp_path, path):
+    address = "127.20.3.2"
+    with small_camera(address), capture_of(sensor_at(address), tmp_path) as (client, process):
+        wait_for(client, is_idle)
+        client.arm(plan_for(path, "software"))
+        client.trigger()
+        client.finish()
+        os.kill(recorder_of(process), signal.SIGKILL)
+        time.sleep(0.1)
+        client.arm(plan_for(tmp_path / "b.mcap", "software"))
+        client.trigger()
+        assert client.finish().complete
+
+
+def test_killed_capture_process_leaves_a_whole_recording_that_says_why_it_ends(tmp_path, path):
+    address = "127.20.3.3"
+    with (
+        small_camera(address) as camera,
+        capture_of(sensor_at(address), tmp_path) as (client, process),
+    ):
+        wait_for(client, is_idle)
+        client.arm(plan_for(path))
+        fire(camera, 10)
+        wait_for(client, lambda status: status.recorded == 10)
+        process.kill()
+        wait_until(path.exists)
+        with pytest.raises(CameraLost, match="does not answer"):
+            type(client)(tmp_path / "s.sock", connect_timeout_s=0.1).status()
+    assert_served(path, 0, range(1, 11))
+    assert EventKind.CAPTURE_LOST in kinds(events(path))
+    assert verify(path).ok
+
+
+def test_both_killed_leave_a_recording_to_recover(tmp_path, path):
+    address = "127.20.3.4"
+    with (
+        small_camera(address) as camera,
+        capture_of(sensor_at(address), tmp_path) as (client, process),
+    ):
+        wait_for(client, is_idle)
+        client.arm(plan_for(path))
+        fire(camera, 10)
+        wait_for(client, lambda status: status.recorded == 10)
+        recorder = recorder_of(process)
+        os.kill(recorder, signal.SIGSTOP)  # so that it cannot finish what the other leaves
+        process.kill()
+        os.kill(recorder, signal.SIGKILL)
+        process.join()
+        wait_until(lambda: not is_running(recorder))
+    report = recover(active_path(path))
+    assert report.frames == 10
+    assert report.verified.ok
+    assert_served(path, 0, range(1, 11))
+    assert EventKind.RECOVERED in kinds(events(path))
+
+
+def test_terminated_capture_process_finishes_its_recording(tmp_path, path):
+    address = "127.20.3.5"
+    with (
+        small_camera(address) as camera,
+        capture_of(sensor_at(address), tmp_path) as (client, process),
+    ):
+        wait_for(client, is_idle)
+        client.arm(plan_for(path))
+        fire(camera, 5)
+        wait_for(client, lambda status: status.recorded == 5)
+        process.terminate()
+        process.join(10)
+        assert process.exitcode == 0
+    assert EventKind.FINISHED in kinds(events(path))
+    assert len(list(frames(path))) == 5
+    assert not (tmp_path / "s.sock").exists()
+
+
+def test_camera_gone_and_back_goes_on_in_the_same_recording(tmp_path, path):
+    address = "127.20.3.6"
+    with capture_of(sensor_at(address), tmp_path) as (client, _):
+        with small_camera(address) as camera:
+            wait_for(client, is_idle)
+            client.arm(plan_for(path))
+            fire(camera, 5)
+            wait_for(client, lambda status: status.recorded == 5)
+        wait_for(client, lambda status: status.state is CaptureState.BLIND)
+        with small_camera(address) as camera:
+            wait_for(client, lambda status: status.state is CaptureState.RECORDING)
+            fire(camera, 4)
+            wait_for(client, lambda status: status.recorded == 9)
+            report = client.finish(expected_frames=9)
+            wait_for(client, is_idle)
+    assert (report.recorded, report.complete) == (9, False)
+    assert [frame.frame_id for frame in frames(path)] == [1, 2, 3, 4, 5, 1, 2, 3, 4]
+    assert {EventKind.CAMERA_LOST, EventKind.CAMERA_BACK} <= kinds(events(path))
+    assert verify(path).ok
+
+
+def test_camera_that_never_answers_is_unreachable_and_is_found_when_it_comes(tmp_path, path):
+    address = "127.20.3.7"
+    with capture_of(sensor_at(address), tmp_path) as (client, _):
+        with pytest.raises(CameraUnreachable, match="no camera answers at 127.20.3.7"):
+            client.arm(plan_for(path))
+        assert client.status().state is CaptureState.UNAVAILABLE
+        with small_camera(address):
+            assert wait_for(client, is_idle).problem is None
+    assert list(tmp_path.glob("*.mcap*")) == []
