@@ -97,7 +97,7 @@ def locate_stripe(
     )
     place, normal = seeds.place_px.reshape(-1, 2), np.repeat(seeds.normal, seeds.group, axis=0)
     samples = sample_across(picture, place, normal, _PROFILE_REACH)
-    fits = fit_profiles(samples.reshape(len(seeds), seeds.group, -1).mean(axis=1))
+    fits = fit_profiles(samples.reshape(len(seeds), seeds.group, samples.shape[1]).mean(axis=1))
     trusted = np.flatnonzero(_is_stripe(fits, noise, min_height))
     member = (trusted[:, None] * seeds.group + np.arange(seeds.group)).ravel()
     profiles = fits.picked(np.repeat(trusted, seeds.group))

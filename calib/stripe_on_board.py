@@ -73,7 +73,8 @@ class BoardArea:
         reach = _MARK_MARGIN * width_px + 1.0
         if self.dots is not None:
             return _near_dots(self.dots, points_px, reach)
-        node = apply_homography(np.linalg.inv(self.picture_from_node), points_px)
+        node_from_picture = np.asarray(np.linalg.inv(self.picture_from_node), dtype=np.float64)
+        node = apply_homography(node_from_picture, points_px)
         gap = np.abs(node - np.rint(node)) * self.pitch_px < reach[:, None]
         inside = ((node > self.low - 1.2) & (node < self.high + 1.2)).all(axis=1)
         return np.asarray(gap.any(axis=1) & inside)

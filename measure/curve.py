@@ -11,8 +11,13 @@ from measure.localfit import LocalFit
 from measure.quantities import Status
 
 _BIN_MM = 0.5
-# A parabola fitted to 3 mm of points is still sound this far beyond them.
+# Farther from the nearest point than this a value is extrapolated, or bridges a gap; farther than
+# the other it is none.
+_NEAR_MM = 0.8
 _EXTRAPOLATION_MM = 2.0
+# Beyond the points the profile may bend otherwise than the parabola, by 1 / 13 mm at the throat.
+_BEND_BEYOND = 0.04
+_FALLBACK_GAP = 1.2
 _REFITS = 6
 _SETTLED_MM = 0.2
 # A wide window is used where it agrees with a narrow one to this many of the narrow one's sigmas.
@@ -21,10 +26,11 @@ _AGREEMENT_SIGMAS = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """An estimate and how it was come by."""
+    """An estimate, how it was come by, and the sigma of what no point tells (extrapolation)."""
 
     estimate: Estimate
     status: Status
+    blind_mm: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,8 +75,11 @@ class Curve:
         half_window = self.window_mm * scale
         wide = LocalFit.around(self.points_mm, weight, place_mm, half_window)
         narrow = LocalFit.around(self.points_mm, weight, place_mm, half_window / 2.0)
-        if wide is None:  # Points are sparse here: a wider window finds enough of them.
-            return LocalFit.around(self.points_mm, weight, place_mm, 2.0 * half_window)
+        if wide is None:
+            # Where points are sparse a wider window finds enough; a gap it must not bridge.
+            wider = LocalFit.around(self.points_mm, weight, place_mm, 2.0 * half_window)
+            bridges = wider is not None and wider.widest_gap_mm() > _FALLBACK_GAP * half_window
+            return None if bridges else wider
         if narrow is None:
             return wide
         middle = narrow.point(0.0)
@@ -107,13 +116,16 @@ class Curve:
         fit, s = settled
         read = fit.read(axis, s)
         moved = Estimate(read.value, read.gradient + fit.slope(axis, s) * level.gradient)
-        return Found(moved, Status.OK if fit.covers(s) else Status.EXTRAPOLATED)
+        away = fit.away_mm(s)
+        if fit.covers(s) and away <= _NEAR_MM:
+            return Found(moved, Status.OK)
+        return Found(moved, Status.EXTRAPOLATED, _BEND_BEYOND * away**2 * abs(fit.gain(axis, s)))
 
     def crest(self, place_mm: FloatArray) -> Found | None:
         """Read the greatest r near a place; None where there is no crest between the points."""
         for scale in (1.0, 2.0):
-            settled = self._settle(place_mm, scale, LocalFit.crest, 0.0)
-            if settled is not None:
+            settled = self._settle(place_mm, scale, LocalFit.crest, _NEAR_MM)
+            if settled is not None and settled[0].covers(settled[1]):
                 fit, s = settled
                 return Found(fit.read(1, s), Status.OK)
         return None
@@ -133,7 +145,7 @@ class Curve:
         for _ in range(_REFITS):
             fit = self.fit(place_mm, scale)
             s = where(fit) if fit is not None else None
-            if fit is None or s is None or fit.beyond_mm(s) > reach_mm:
+            if fit is None or s is None or fit.away_mm(s) > reach_mm:
                 break
             settled = fit, s
             before, place_mm = place_mm, fit.point(s)

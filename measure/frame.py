@@ -169,7 +169,10 @@ def _motions(laid: Laid, sensor: LaserSensor) -> Motions:
 
 
 def _budgets(gauged: Gauged, motions: Motions) -> dict[Quantity, Budget]:
-    return {quantity: motions.budget(found.estimate) for quantity, found in gauged.found.items()}
+    return {
+        quantity: motions.budget(found.estimate, found.blind_mm)
+        for quantity, found in gauged.found.items()
+    }
 
 
 def _with_assumed_back(

@@ -1,7 +1,7 @@
 """The gauges: what EN 15313 and the type-4 wheel gauge read, taken off a measured curve."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -70,7 +70,7 @@ def gauge(curve: Curve, back: Found, reference: ReferenceProfile) -> Gauged | No
     if Quantity.FLANGE_HEIGHT in readings:
         height = readings[Quantity.FLANGE_HEIGHT]
         nominal = reference.nominal[Quantity.FLANGE_HEIGHT]
-        wear = Found(height.estimate - nominal, height.status)
+        wear = replace(height, estimate=height.estimate - nominal)
         # Aligned at back and tip, the height lost at d = 70 is the loss of Sh (wheel.md's words
         # for it differ by trade, the number does not).
         readings |= {Quantity.TREAD_WEAR: wear, Quantity.TREAD_WEAR_AT_70: wear}
@@ -106,7 +106,8 @@ def _flange_readings(
 
 
 def _combined(estimate: Estimate, *parts: Found) -> Found:
-    return Found(estimate, max((part.status for part in parts), key=_ORDER.index))
+    status = max((part.status for part in parts), key=_ORDER.index)
+    return Found(estimate, status, float(np.hypot.reduce([part.blind_mm for part in parts])))
 
 
 def _highest(nodes: FloatArray, back_mm: float) -> FloatArray:

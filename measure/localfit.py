@@ -82,9 +82,13 @@ class LocalFit:
         """Whether the place s lies between the points, not beyond them."""
         return bool(self.along_mm.min() <= s <= self.along_mm.max())
 
-    def beyond_mm(self, s: float) -> float:
-        """How far s lies beyond the points; 0 between them."""
-        return float(max(self.along_mm.min() - s, s - self.along_mm.max(), 0.0))
+    def away_mm(self, s: float) -> float:
+        """Return how far s lies from the nearest point, beyond the ends or in a gap."""
+        return float(np.abs(self.along_mm - s).min())
+
+    def widest_gap_mm(self) -> float:
+        """Return the greatest distance along the tangent between neighbouring points."""
+        return float(np.diff(np.sort(self.along_mm)).max())
 
     def point(self, s: float) -> FloatArray:
         """Return the place (a, r) at s."""
@@ -118,10 +122,13 @@ class LocalFit:
 
     def read(self, axis: int, s: float) -> Estimate:
         """Return coordinate `axis` at s, the other coordinate held."""
+        return Estimate(float(self.point(s)[axis]), self._normal_gradient(s) * self.gain(axis, s))
+
+    def gain(self, axis: int, s: float) -> float:
+        """Return the change of coordinate `axis`, the other held, for a shift along the normal."""
         held = 1 - axis
         direction = self.direction(s)
-        gain = self.normal[axis] - self.normal[held] * direction[axis] / direction[held]
-        return Estimate(float(self.point(s)[axis]), self._normal_gradient(s) * gain)
+        return float(self.normal[axis] - self.normal[held] * direction[axis] / direction[held])
 
     def slope(self, axis: int, s: float) -> float:
         """Return the change of coordinate `axis` for a change of the other one."""

@@ -67,7 +67,7 @@ def _readings(gauged: Gauged, sigma_mm: FloatArray, limits: Limits) -> dict[Quan
     for quantity, found in gauged.found.items():
         # The direction of the error of a point is not known: its gradient's length counts.
         noise = np.linalg.norm(found.estimate.gradient, axis=1) * sigma_mm
-        u95 = Budget(float(np.linalg.norm(noise)), np.zeros(0)).u95_mm
+        u95 = Budget(float(np.hypot(np.linalg.norm(noise), found.blind_mm)), np.zeros(0)).u95_mm
         value = found.estimate.value
         readings[quantity] = Reading(value, u95, found.status, limits.judge(quantity, value, u95))
     return readings

@@ -32,11 +32,11 @@ class Motions:
     once_mm: FloatArray
     shared_mm: FloatArray
 
-    def budget(self, estimate: Estimate) -> "Budget":
-        """Return what is not known of a value."""
+    def budget(self, estimate: Estimate, blind_mm: float) -> "Budget":
+        """Return what is not known of a value, with the sigma of what no point tells."""
         noise = np.sum(estimate.gradient * self.own_mm, axis=1)
         once = estimate.moved_by(self.once_mm)
-        single = float(noise @ noise + once @ once)
+        single = float(noise @ noise + once @ once + blind_mm**2)
         return Budget(float(np.sqrt(single)), estimate.moved_by(self.shared_mm))
 
 

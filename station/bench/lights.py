@@ -23,6 +23,7 @@ from station.scenes import Light, TargetScene, paper_sensor, target_scenes
 from station.tables import Table, Value
 
 TARGET = Target.parse("dots:7x8:12:d=6")
+_RENDER_AND_OBSERVE_S = 0.3
 _Task = tuple[TargetScene, int, str]
 
 
@@ -61,7 +62,9 @@ def observe_light(
     rng = np.random.default_rng([seed, list(Light).index(light)])
     scenes = target_scenes(rng, sensor, TARGET, [light] * poses)
     tasks = [(scene, index, f"{light}-{index:02d}") for index, scene in enumerate(scenes)]
-    seen: Iterator[View | None] = map_on_all_cores(_observe, tasks)
+    seen: Iterator[View | None] = map_on_all_cores(
+        _observe, tasks, count=len(tasks), seconds_each=_RENDER_AND_OBSERVE_S
+    )
     views = [view for view in seen if view is not None]
     return views, poses - len(views)
 

@@ -5,9 +5,10 @@ from collections.abc import Generator, Iterable
 from typing import Any
 
 from station.capture.aravis import Aravis, GLib
+from station.capture.burial import bury
 from station.capture.open_stream import open_stream
-from station.capture.plan import Trigger
 from station.capture.ping import answers_ping
+from station.capture.plan import Trigger
 from station.capture.ring import Ring
 from station.capture.stream import FrameStream
 from station.errors import CameraError, CameraLost, CameraRefused, CameraUnreachable
@@ -82,9 +83,12 @@ class Camera:
         with self._talking():
             self._camera.software_trigger()
 
-    def close(self) -> None:
-        """Let go of the camera; it can be opened again once nothing refers to it."""
+    def close(self, *, lost: bool) -> None:
+        """Let go of a camera that is there or `lost`; it can be opened again after."""
+        remains = [self._device, self._camera]
         del self._device, self._camera
+        if lost:
+            bury(remains)
 
     def description(self) -> dict[str, str]:
         """Return what the camera is and how it is set, for the recording."""

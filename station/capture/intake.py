@@ -75,15 +75,15 @@ class Intake:
         self._free.clear()
         self.heard_s = time.monotonic()
 
-    def detach(self) -> None:
-        """Take the last frames, then close the stream."""
+    def detach(self, *, lost: bool) -> None:
+        """Take the last frames, then close the stream of a camera that is there or `lost`."""
         if self._stream is None:
             return
         self.resent_packets += self._stream.resent_packets
         self._note_underruns()
         stream, self._stream = self._stream, None
         lent = stream.lent
-        last = stream.close()
+        last = stream.close(lost=lost)
         self._free |= lent - {frame.slot for frame in last}
         for frame in last:
             self._take(frame)

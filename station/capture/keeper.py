@@ -69,12 +69,14 @@ class CameraKeeper:
     def drop(self, problem: str) -> None:
         """Let go of a camera that is lost."""
         if self.camera is not None:
-            self.camera.close()
+            self.camera.close(lost=True)
         self.camera, self.problem = None, problem
 
     def close(self) -> None:
         """Let go of everything; a recorder with an open file finishes it."""
-        self.drop("closed")
+        if self.camera is not None:
+            self.camera.close(lost=False)
+            self.camera = None
         if self._link is not None:
             self._link.close()
         self._ring = self._link = None

@@ -87,7 +87,7 @@ class CaptureSession:
 
     def camera_lost(self, reason: str) -> None:
         """Go on without a camera; what it exposes meanwhile is unknown."""
-        self.intake.detach()
+        self.intake.detach(lost=True)
         self.intake.note(Event(EventKind.CAMERA_LOST, time.time_ns(), reason))
 
     def camera_back(self, camera: Camera) -> None:
@@ -125,7 +125,7 @@ class CaptureSession:
         deadline = time.monotonic() + _LAST_FRAMES_S
         while self.intake.in_flight and time.monotonic() < deadline:
             self.intake.step()
-        self.intake.detach()
+        self.intake.detach(lost=camera is None)
 
     def _settle(self) -> None:
         """Wait until the recorder has answered for every entry."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from station.capture.aravis import Aravis
+from station.capture.burial import bury
 from station.capture.open_stream import OpenStream
 from station.capture.ring import Ring
 
@@ -78,14 +79,15 @@ class FrameStream:
             yield self._taken(buffer)
             buffer = self._stream.try_pop_buffer()
 
-    def close(self) -> list[ReceivedFrame]:
-        """Return what had come, and stop receiving."""
+    def close(self, *, lost: bool) -> list[ReceivedFrame]:
+        """Return what had come, and stop receiving from a camera that is there or `lost`."""
         last = list(self.take(0))
         # The stream's end stops its thread; stopping that before makes Aravis complain.  A camera
         # can be opened again only when nothing of its stream is left.
-        self._slot_of.clear()
-        self._buffers.clear()
-        del self._stream
+        remains = [self._stream, self._slot_of, self._buffers]
+        del self._stream, self._slot_of, self._buffers
+        if lost:
+            bury(remains)
         return last
 
     def _taken(self, buffer: Any) -> ReceivedFrame:

@@ -9,32 +9,42 @@ from typing import TypeVar
 
 import cv2
 
-_FEWEST_FOR_PROCESSES = 6
-"""Starting a process costs as much as looking at about six pictures."""
+_START_S = 2.0
+"""What it takes a process to start and import the mathematics."""
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
 
 
-def map_on_all_cores(work: Callable[[Task], Answer], tasks: Iterable[Task]) -> Iterator[Answer]:
-    """Yield ``work(task)`` in order; a handful of tasks stays in this process.
+def map_on_all_cores(
+    work: Callable[[Task], Answer], tasks: Iterable[Task], *, count: int, seconds_each: float
+) -> Iterator[Answer]:
+    """Yield ``work(task)`` in order, in processes of their own where that is sooner done.
 
-    `work` must be importable by name, as it runs in processes of its own.
+    Parameters
+    ----------
+    work
+        Importable by name.
+    tasks
+        Taken one by one, only a few ahead of the answers.
+    count
+        How many there are, about.
+    seconds_each
+        What one takes, about.
     """
     cores = len(os.sched_getaffinity(0))
-    waiting_tasks = iter(tasks)
-    head = [task for _, task in zip(range(_FEWEST_FOR_PROCESSES), waiting_tasks, strict=False)]
-    if len(head) < _FEWEST_FOR_PROCESSES or cores == 1:
-        yield from map(work, head)
-        yield from map(work, waiting_tasks)
+    alone_s = count * seconds_each
+    if alone_s < alone_s / cores + _START_S:
+        yield from map(work, tasks)
         return
     # Spawned, not forked: the callers hold threads.
     with ProcessPoolExecutor(
         cores, mp_context=get_context("spawn"), initializer=cv2.setNumThreads, initargs=(1,)
     ) as pool:
-        flying: deque[Future[Answer]] = deque(pool.submit(work, task) for task in head)
-        for task in waiting_tasks:
-            yield flying.popleft().result()
+        flying: deque[Future[Answer]] = deque()
+        for task in tasks:
             flying.append(pool.submit(work, task))
+            if len(flying) > 2 * cores:
+                yield flying.popleft().result()
         while flying:
             yield flying.popleft().result()

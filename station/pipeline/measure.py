@@ -25,6 +25,9 @@ from station.pipeline.references import load_reference
 from station.progress import Progress, silent
 from station.software import SOFTWARE
 
+_STRIPE_S = 0.02
+"""What locating the stripe in one frame takes."""
+
 
 def measure_sources(
     sources: Sequence[Path],
@@ -84,7 +87,9 @@ def _with_stripes(
             seen.append((frame.source, frame.number, frame.time_ns))
             yield frame.picture
 
-    stripes: Iterator[StripePoints] = map_on_all_cores(locate_stripe, pictures())
+    stripes: Iterator[StripePoints] = map_on_all_cores(
+        locate_stripe, pictures(), count=total, seconds_each=_STRIPE_S
+    )
     for done, stripe in enumerate(stripes):
         source, number, time_ns = seen[done]
         progress((done + 1) / total, f"frame {done + 1} of {total}")

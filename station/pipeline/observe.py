@@ -11,6 +11,9 @@ from station.pipeline.cores import map_on_all_cores
 from station.pipeline.frames import Frame, count_frames, read_frames, same_size_as
 from station.progress import Progress, silent
 
+_OBSERVE_S = 0.15
+"""What seeing the target in one picture takes."""
+
 
 @dataclass(frozen=True, slots=True)
 class Observations:
@@ -94,7 +97,9 @@ def _observe_pictures(
             names.append(frame.name)
             yield frame.picture, target, frame.name, off
 
-    for done, seen in enumerate(map_on_all_cores(_observe_one, tasks()), start=1):
+    for done, seen in enumerate(
+        map_on_all_cores(_observe_one, tasks(), count=total, seconds_each=_OBSERVE_S), start=1
+    ):
         progress(done / total, f"picture {done} of {total}")
         if isinstance(seen, View):
             views.append(seen)

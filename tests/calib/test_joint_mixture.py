@@ -32,7 +32,8 @@ def test_a_fifth_of_gross_errors_is_found_and_does_not_widen_the_scale(rng, dime
     assert not mixture.believed(residual)[:400].any()
     assert mixture.believed(residual)[400:].mean() > 0.998
     assert mixture.scale == pytest.approx(1.0, rel=0.08)
-    assert mixture.share == pytest.approx(0.2, abs=0.01)
+    # The box reaches under the normal: points beyond 3.3 sigma are shared.
+    assert mixture.share == pytest.approx(0.2, abs=0.02)
 
 
 def test_far_from_the_answer_no_point_is_locked_out(rng):

@@ -23,7 +23,9 @@ def stripe_light(centre_v, *, width=2.0, height=150.0, ground=10.0, slope=0.0, s
     steep = np.sqrt(1.0 + np.gradient(centre_v) ** 2)
     v = np.arange(shape[0])[:, None]
     s = width * steep
-    bell = (ndtr((v + 0.5 - centre_v) / s) - ndtr((v - 0.5 - centre_v) / s)) * s * np.sqrt(2 * np.pi)
+    bell = (
+        (ndtr((v + 0.5 - centre_v) / s) - ndtr((v - 0.5 - centre_v) / s)) * s * np.sqrt(2 * np.pi)
+    )
     return height * bell + ground + slope * (v - centre_v)
 
 
@@ -118,18 +120,21 @@ def test_moving_the_picture_by_whole_pixels_moves_the_points_by_as_much(down, ri
     keys = {tuple(np.rint(c).astype(int)): c for c in other.centre_px}
     shift = np.array([8 * (right // 8), 8 * (down // 8)])
     inner = one.centre_px[np.abs(one.centre_px[:, 0] - 200.0) < 100.0]
-    apart = [keys[k] - shift - c for c in inner if (k := tuple(np.rint(c).astype(int) + shift)) in keys]
+    apart = [
+        keys[k] - shift - c for c in inner if (k := tuple(np.rint(c).astype(int) + shift)) in keys
+    ]
     assert len(apart) > 150
     np.testing.assert_allclose(apart, 0.0, atol=1e-6)
 
 
-def test_upside_down_and_transposed_pictures_give_the_same_stripe(rng):
+def test_a_transposed_picture_gives_the_same_stripe(rng):
     picture = exposed(stripe_light(STRAIGHT[:400], shape=(200, 400)), rng)
     upright = locate_stripe(picture).centre_px
     lying = locate_stripe(np.ascontiguousarray(picture.T)).centre_px[:, ::-1]
-    np.testing.assert_allclose(
-        np.polyfit(*upright.T, 1), np.polyfit(*lying.T, 1), atol=[2e-5, 5e-3]
-    )
+    u = np.array([50.0, 200.0, 350.0])
+    one, other = (np.polyval(np.polyfit(*points.T, 1), u) for points in (upright, lying))
+    # Points lie in other pixels of the two, so they share noise but in part: 0.008 px / sqrt(60).
+    np.testing.assert_allclose(one, other, atol=5e-3)
 
 
 def test_normals_lie_across_the_stripe_and_are_of_unit_length(rng):

@@ -117,6 +117,30 @@ def test_a_cancelled_job_keeps_nothing_it_was_at(ground, context):
         assert measurements_page(session, limit=10).rows == []
 
 
+def test_a_job_cancelled_after_its_last_word_keeps_nothing_either(ground, tmp_path):
+    """Between the last progress and the result nobody looks whether the job was cancelled."""
+
+    class LateCancel(SlowMathematics):
+        def _work(self, progress):
+            cancel(ground, job)
+
+    late = LateCancel(tmp_path / "trace")
+    context = WorkContext(
+        ground.settings, ground.store, ground.layout, late.calibrate, late.measure
+    )
+    job = ground.order_measuring("p1", sensors=["left"])
+    measure_all(context, job)
+    assert found(ground, Pass, "p1").state == "recorded"
+    with ground.store.look() as session:
+        assert measurements_page(session, limit=10).rows == []
+
+    job = ground.order_calibration("c1")
+    calibrate(context, job)
+    assert found(ground, Calibration, "c1").reason == "cancelled"
+    with ground.store.look() as session:
+        assert session.get(CalibrationPoints, "c1") is None
+
+
 def test_a_solved_calibration_is_ready_with_file_and_points(ground, context):
     job = ground.order_calibration("c1")
     calibrate(context, job)
