@@ -17,7 +17,12 @@ from calib.calibration import (
     Termination,
 )
 from calib.camera import PARAMETERS, CameraModel
-from calib.compare import pixel_grid, sheet_difference_mm
+from calib.compare import (
+    SheetComparison,
+    compare_sensors,
+    pixel_grid,
+    sheet_difference_mm,
+)
 from calib.errors import (
     CalibError,
     CameraMismatch,
@@ -28,11 +33,17 @@ from calib.errors import (
     TargetSpecInvalid,
     TooFewViews,
 )
+from calib.judging.cylinder import CylinderReading, judge_cylinder
+from calib.judging.distances import PlacementDistances, judge_distances
+from calib.judging.leave_one_out import LeftOutPose, judge_leaving_out
+from calib.judging.repeatability import Repeatability, judge_repeatability
 from calib.noise import PixelNoise
 from calib.observe import observe_target
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
 from calib.sensor import SENSOR_PARAMETERS, LaserSensor
+from calib.sheet_frame import SheetFrame
+from calib.sheet_table import SheetTable
 from calib.stripe import kernel_of, locate_stripe
 from calib.target import Target
 from calib.views import Cause, StripePoints, TargetPoints, View
@@ -48,16 +59,23 @@ __all__ = [
     "CameraModel",
     "CameraRole",
     "Cause",
+    "CylinderReading",
     "Degenerate",
     "FloatArray",
     "IntArray",
     "LaserSensor",
+    "LeftOutPose",
     "LightPlane",
     "Method",
     "NotConverged",
     "Picture",
     "PixelNoise",
+    "PlacementDistances",
+    "Repeatability",
     "RigidTransform",
+    "SheetComparison",
+    "SheetFrame",
+    "SheetTable",
     "SolveReport",
     "SolvedPoints",
     "SolvedView",
@@ -72,8 +90,13 @@ __all__ = [
     "View",
     "calibrate",
     "calibrate_camera",
+    "compare_sensors",
     "cramer_rao_bound",
     "frozen",
+    "judge_cylinder",
+    "judge_distances",
+    "judge_leaving_out",
+    "judge_repeatability",
     "kernel_of",
     "locate_stripe",
     "observe_target",

@@ -18,6 +18,8 @@ COUNT = 12
 
 _ROOT_TWO_PI = float(np.sqrt(2.0 * np.pi))
 _NARROWEST_BLUR_PX, _WIDEST_BLUR_PX = 0.3, 8.0
+_BRIGHTEST, _STEEPEST = 2000.0, 60.0  # counts, counts / px
+_MOST_UNEVEN = 0.25  # change of a dot's height over a radius, of the height
 
 
 def start(outlines: Ellipses, origin: FloatArray, blur_px: float) -> FloatArray:
@@ -100,6 +102,13 @@ def sound(parameters: FloatArray, before: FloatArray) -> FloatArray:
     now[wild, Q11 : Q22 + 1] = before[wild, Q11 : Q22 + 1]
     blur = np.clip(now[:, BLUR], 0.6 * before[:, BLUR], 1.6 * before[:, BLUR])
     now[:, BLUR] = np.clip(blur, _NARROWEST_BLUR_PX, _WIDEST_BLUR_PX)
+    # In a window that is clipped all over nothing holds the brightness.
+    bright = now[:, [GROUND, HEIGHT]]
+    now[:, [GROUND, HEIGHT]] = np.clip(bright, -_BRIGHTEST, _BRIGHTEST)
+    steepest = _MOST_UNEVEN * np.abs(now[:, HEIGHT, None]) / radius[:, None]
+    now[:, HEIGHT_U:] = np.clip(now[:, HEIGHT_U:], -steepest, steepest)
+    slopes = now[:, GROUND_U : GROUND_V + 1]
+    now[:, GROUND_U : GROUND_V + 1] = np.clip(slopes, -_STEEPEST, _STEEPEST)
     return now
 
 

@@ -65,6 +65,8 @@ def _window(node: IntArray, size: tuple[int, int]) -> IntArray | None:
     Every border line of the window must be seen by a third of its points, two at least; of
     what lies outside there must be little.
     """
+    if len(node) == 0:
+        return None
     corner = np.empty(2, dtype=np.int64)
     for axis in (0, 1):
         line = np.bincount(node[:, axis] - node[:, axis].min())

@@ -8,8 +8,9 @@ import numpy as np
 from calib.arrays import BoolArray, FloatArray
 from calib.calibration import CameraRole, SolveReport
 from calib.camera import CameraModel
+from calib.joint.discs import cross_matrices
 from calib.joint.parameters import Estimate, Layout
-from calib.joint.solve import Problem, solve
+from calib.joint.solve import Problem, Solution, solve
 from calib.observations import Observations
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
@@ -67,15 +68,23 @@ class Prepared:
             If the stripes do not single out a plane.
         """
         observations = Observations.of(views, target)
-        poses = _poses(views, target, camera)
+        dots_only = _solve_dots(views, target, camera)
+        poses = tuple(dots_only.estimate.poses)
         lines = {
             index: stripe_line(view.stripe, camera, poses[index])
             for index, view in enumerate(views)
             if view.stripe is not None and has_stripe(view)
         }
-        first = start_plane(np.array([line.ends_mm for line in lines.values()]))
+        ends = np.array([line.ends_mm for line in lines.values()])
+        own = list(lines)
+        lever = ends.mean(axis=1) - dots_only.estimate.translation_mm[own]
+        by_pose = np.concatenate(
+            [-cross_matrices(lever), np.broadcast_to(np.eye(3), (len(own), 3, 3))], axis=2
+        )
+        wander = by_pose @ dots_only.covariance.views[own] @ by_pose.transpose(0, 2, 1)
+        first = start_plane(ends, wander)
         stripe_in = np.zeros(len(views), dtype=bool)
-        stripe_in[list(lines)] = first.agreeing
+        stripe_in[own] = first.agreeing
         on_line = np.zeros(len(observations.stripe), dtype=bool)
         for index, line in lines.items():
             on_line[observations.stripe.view == index] = line.agreeing
@@ -92,10 +101,8 @@ class Prepared:
         )
 
 
-def _poses(
-    views: Sequence[View], target: Target, camera: CameraModel
-) -> tuple[RigidTransform, ...]:
-    """Return the most likely poses by the dots alone, the camera held."""
+def _solve_dots(views: Sequence[View], target: Target, camera: CameraModel) -> Solution:
+    """Find the most likely poses by the dots alone, the camera held."""
     bare = [replace(view, stripe=None) for view in views]
     problem = Problem(
         Observations.of(bare, target),
@@ -105,7 +112,7 @@ def _poses(
         on_line=np.zeros(0, dtype=bool),
     )
     first = [start_pose(view, target, camera) for view in bare]
-    return tuple(solve(problem, Estimate.start(camera, None, first), near=False).estimate.poses)
+    return solve(problem, Estimate.start(camera, None, first), near=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

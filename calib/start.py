@@ -30,8 +30,8 @@ _BEND = 0.01
 _MOST_CANDIDATES = 500
 # Of the lines' extent: stripes that spread less across each other are one line in space.
 _LEAST_SPREAD = 0.01
-# ... as are stripes whose spread is no more than this many times their misfit.
-_LEAST_SPREAD_OVER_MISFIT = 2.5
+# ... as are stripes whose spread is no more than this many times what the poses' noise makes.
+_LEAST_SPREAD_OVER_NOISE = 3.0
 
 
 def usable_views(views: Sequence[View], target: Target) -> tuple[list[int], dict[int, str]]:
@@ -155,13 +155,15 @@ class StartPlane:
     agreeing: BoolArray
 
 
-def start_plane(stripes_mm: FloatArray) -> StartPlane:
+def start_plane(stripes_mm: FloatArray, covariance_mm2: FloatArray) -> StartPlane:
     """Return the plane that most stripes lie in; up to a half of them may be false.
 
     Parameters
     ----------
     stripes_mm
         Shape (M, 2, 3), M >= 2, ends of each stripe in the camera frame.
+    covariance_mm2
+        Shape (M, 3, 3), of the middle of each stripe, by what is not known of its pose.
 
     Raises
     ------
@@ -181,7 +183,7 @@ def start_plane(stripes_mm: FloatArray) -> StartPlane:
     misses = np.array([_misses(stripes_mm, plane) for plane in planes])
     best = misses[np.argmin(misses.sum(axis=1))]
     agreeing = best <= 4.0 * np.median(best) / 0.6745 + 1e-9
-    _refuse_one_line(stripes_mm[agreeing])
+    _refuse_one_line(stripes_mm[agreeing], covariance_mm2[agreeing])
     plane = LightPlane.from_coefficients(fit_plane(stripes_mm[agreeing].reshape(-1, 3)))
     return StartPlane(plane, agreeing)
 
@@ -190,14 +192,16 @@ def _misses(stripes_mm: FloatArray, plane: FloatArray) -> FloatArray:
     return np.asarray(np.abs(stripes_mm @ plane[:3] + plane[3]).max(axis=1))
 
 
-def _refuse_one_line(stripes_mm: FloatArray) -> None:
+def _refuse_one_line(stripes_mm: FloatArray, covariance_mm2: FloatArray) -> None:
     ends = stripes_mm.reshape(-1, 3)
-    spread = np.linalg.svd(ends - ends.mean(axis=0), compute_uv=False) / np.sqrt(len(ends))
-    least = max(_LEAST_SPREAD * spread[0], _LEAST_SPREAD_OVER_MISFIT * spread[2])
+    _, values, axes = np.linalg.svd(ends - ends.mean(axis=0), full_matrices=False)
+    spread = values / np.sqrt(len(ends))
+    noise = np.sqrt(np.mean(axes[1] @ covariance_mm2 @ axes[1]))
+    least = max(_LEAST_SPREAD * spread[0], _LEAST_SPREAD_OVER_NOISE * noise)
     if not spread[1] > least:
         raise Degenerate(
             f"the stripes of all pictures lie in one line in space (they spread {spread[1]:.2g} mm "
-            f"across it, at least {least:.2g} mm are needed); move the target nearer and farther, "
+            f"across it, more than {least:.2g} mm is needed); move the target nearer and farther, "
             "so that the stripe falls on different parts of the sheet"
         )
 

@@ -12,7 +12,7 @@ _DRAWS = 300
 _START_TOLERANCE_PX = 4.0  # what distortion bends a line by across a target
 _TOLERANCE_PX = 0.8
 _TOLERANCE_SIGMAS = 5.0
-_MOST_BENT = 0.004
+_MOST_BENT = 0.008  # sag over length
 _LARGEST_SIGMA_PX = 1.0
 _ALIKE = 0.94  # cosine between a point's normal and its line's
 _FEWEST_POINTS = 12
@@ -175,19 +175,26 @@ def _refined(
 
 
 def _parabola(along: FloatArray, aside: FloatArray, sigma: FloatArray, reach: float) -> FloatArray:
-    """Fit robustly by reweighting; `along` is in units of `reach`, px."""
-    design = np.column_stack([np.ones_like(along), along, along**2])
+    """Fit robustly; `along` is in units of `reach`, px.
+
+    What bends more than a lens bends a line is a line with foreign points at an end.
+    """
+    bend = _curve(along, aside, sigma, degree=2)
+    if abs(bend[2]) > 4.0 * _MOST_BENT * reach:
+        bend = np.append(_curve(along, aside, sigma, degree=1), 0.0)
+    return bend
+
+
+def _curve(along: FloatArray, aside: FloatArray, sigma: FloatArray, degree: int) -> FloatArray:
+    """Fit a polynomial by reweighting."""
+    design = along[:, None] ** np.arange(degree + 1)
     weight = 1.0 / sigma
-    bend = np.zeros(3)
-    # A lens bends a line by no more than this share of its length.
-    stiff = np.array([[0.0, 0.0, 0.25 / (_MOST_BENT * reach)]])
     for _ in range(4):
-        system = np.concatenate([design * weight[:, None], stiff])
-        bend = np.linalg.lstsq(system, np.append(aside * weight, 0.0))[0]
+        bend = np.linalg.lstsq(design * weight[:, None], aside * weight)[0]
         off = (aside - design @ bend) / sigma
         scale = max(float(np.median(np.abs(off))) / 0.6745, 0.5)
         weight = 1.0 / sigma / (1.0 + (off / (2.0 * scale)) ** 2)
-    return bend
+    return np.asarray(bend)
 
 
 def _described(

@@ -18,7 +18,7 @@ _NEAR_PITCHES = 1.1
 
 _FAR_PITCHES = 4.0
 _SHORTEST_PITCHES = 1.5
-_MARK_MARGIN = 2.0  # widths of a stripe from a mark within which its ridge is pulled
+_MARK_MARGIN = 4.0  # widths of a stripe from a mark: nearer, its light pulls by over 0.02 px
 _INDEPENDENT = 3.5  # kernels between two points whose errors are independent
 _FEWEST_POINTS = 8
 _FEWEST_TO_JUDGE = 12

@@ -10,8 +10,9 @@ from measure.noise import Noise, noise_of, rest_of, robust_sigma
 from measure.pieces import MIN_PIECE, pieces, sizes
 from measure.template import Template
 
-# A wheel wears inward, hardly ever outward: metal that rolls over makes a lip of a millimetre.
-_OUTSIDE_MM = (-14.0, 2.5)
+# A wheel wears inward; it lies outward where its profile is another than the reference: flanges
+# of one railway are thicker by 4 mm than those of another, and metal that rolls over makes a lip.
+_OUTSIDE_MM = (-14.0, 6.0)
 _BEYOND_END_MM = 1.0
 _LAYER_BIN_MM = 1.0
 _LAYER_GAP_MM = 0.8

@@ -27,9 +27,9 @@ WINDOW_MM = 3.0
 # What a flange back that is only inferred from the shape of the flange may be off.
 _ASSUMED_BACK_SIGMA_MM = 0.5
 _BACK_STEP_MM = 0.1
-# How much of the correction for the bend of a stripe may be wrong: on rendered wheels a third to
-# a half of it is left where light grazes the surface.
-_BEND_SHARE = 0.5
+# How much of the correction for the bend of a stripe may be wrong: on rendered wheels a third of
+# it is left on the tip, and as much again where light grazes the surface.
+_BEND_SHARE = 0.7
 _NEEDS_BACK = (
     Quantity.FLANGE_THICKNESS_10,
     Quantity.FLANGE_THICKNESS_12,

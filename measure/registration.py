@@ -14,6 +14,7 @@ _HUBER_MM = 0.1
 _PAST_TIP_MM = 2.0
 # Holds the place where too little is seen to move it, and yields to any real evidence.
 _PRIOR_MM = 3.0
+_BACK_NEAR_MM = 5.0
 _MIN_BACK_POINTS = 10
 _MIN_BACK_SPAN_MM = 2.0
 
@@ -80,7 +81,7 @@ def see_back_face(
     """
     y, z = (points_mm - shift_mm).T
     y_back = template.points_mm[0, 0]
-    on_face = np.flatnonzero((z < template.back_top_mm) & (np.abs(y - y_back) < _NEAR_MM))
+    on_face = np.flatnonzero((z < template.back_top_mm) & (np.abs(y - y_back) < _BACK_NEAR_MM))
     for _ in range(3):
         if len(on_face) < _MIN_BACK_POINTS or np.ptp(z[on_face]) < _MIN_BACK_SPAN_MM:
             return None

@@ -181,12 +181,12 @@ def _join(
     for status in (Status.OK, Status.EXTRAPOLATED, Status.REFERENCE_ASSUMED):
         equals = [value for value in values if value.status is status]
         if equals:
-            mean, sigma = _generalised_mean(equals)
+            mean, sigma = generalised_mean(equals)
             return mean, COVERAGE_FACTOR * float(np.hypot(sigma, MODEL_FLOOR_MM)), status
     return None
 
 
-def _generalised_mean(values: Sequence[Value]) -> tuple[float, float]:
+def generalised_mean(values: Sequence[Value]) -> tuple[float, float]:
     """Mean and sigma of values that share causes of error (Aitken)."""
     shared = np.stack([value.budget.shared_mm for value in values])
     single = np.array([value.budget.single_mm for value in values])

@@ -1,13 +1,10 @@
 """Which keys are good."""
 
 import secrets
-from typing import Final
 
-from station.errors import InputUnusable, KeyRefused
+from station.errors import KeyRefused
 from station.operations import Station
-from station.store import Caller, Scope, caller_of, digest
-
-_SHORTEST_KEY: Final = 32
+from station.store import Caller, Scope, caller_of, digest, ensure_unguessable
 
 
 class Gate:
@@ -25,11 +22,8 @@ class Gate:
     """
 
     def __init__(self, station: Station, admin_key: str | None) -> None:
-        if admin_key is not None and not len(admin_key) >= _SHORTEST_KEY:
-            raise InputUnusable(
-                f"STATION_ADMIN_KEY has {len(admin_key)} characters; "
-                f"give a random one of {_SHORTEST_KEY} or more"
-            )
+        if admin_key is not None:
+            ensure_unguessable(admin_key)
         self._station = station
         self._admin_sha256 = None if admin_key is None else digest(admin_key)
 

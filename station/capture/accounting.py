@@ -78,6 +78,12 @@ class FrameAccount:
         self.lost += 1
         self._dropped.append(frame_id)
 
+    def retract(self, count: int) -> None:
+        """Note that so many recorded frames are not in the file after all."""
+        self.arrived -= count
+        self.recorded -= count
+        self.lost += count
+
     def begin_again(self) -> None:
         """Expect the numbers of a camera that was opened again: they begin anew."""
         self._last_id = None

@@ -6,13 +6,15 @@ import socket
 import time
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from station import errors
 from station.capture.plan import CaptureReport, RecordingPlan
 from station.capture.status import CaptureStatus
 from station.errors import CameraError, CameraLost, StateConflict, StationError
-from station.settings import SensorSettings
+
+if TYPE_CHECKING:  # pydantic would make a new recorder late by a quarter of a second
+    from station.settings import SensorSettings
 
 _ANSWER_TIMEOUT_S = 30.0
 _CONNECT_TIMEOUT_S = 10.0
@@ -114,7 +116,7 @@ class CaptureClient:
         )
 
 
-def start_capture(settings: SensorSettings, socket_path: Path) -> BaseProcess:
+def start_capture(settings: "SensorSettings", socket_path: Path) -> BaseProcess:
     """Start the capture process of a sensor; it ends with the process that starts it.
 
     It is spawned, never forked: a fork of a process that has used Aravis carries dead threads.
@@ -126,7 +128,7 @@ def start_capture(settings: SensorSettings, socket_path: Path) -> BaseProcess:
     return process
 
 
-def _run(settings: SensorSettings, socket_path: Path) -> None:
+def _run(settings: "SensorSettings", socket_path: Path) -> None:
     from station.capture.process import run_capture  # noqa: PLC0415  only this process loads Aravis
 
     run_capture(settings, socket_path)

@@ -186,6 +186,15 @@ class Intake:
         kind = EventKind.DISK_FULL if isinstance(failure, DiskFull) else EventKind.RECORDER_FAILED
         self.events.append(Event(kind, time.time_ns(), str(failure)))
 
+    def compare(self, frames: int) -> None:
+        """Take into account that the file holds fewer frames than were said to be written."""
+        missing = self.account.recorded - frames
+        if missing > 0:
+            self.account.retract(missing)
+            detail = "given up for the end of the file, the disk being full"
+            event = Event(EventKind.FRAMES_DROPPED, time.time_ns(), detail, count=missing)
+            self.events.append(event)
+
     def _note_underruns(self) -> None:
         if self._stream is None:
             return

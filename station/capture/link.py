@@ -143,11 +143,11 @@ class RecorderLink:
         self._pending.clear()
         return given_up
 
-    def finish(self, accounting: Mapping[str, str]) -> dict[str, Any]:
-        """Finish the recording; all entries must have been answered."""
+    def finish(self, accounting: Mapping[str, str]) -> int:
+        """Finish the recording, all entries being answered; return how many frames it holds."""
         answer = self._ask({"do": "finish", "accounting": dict(accounting)}, _FINISH_TIMEOUT_S)
         self._opening = {}
-        return dict(answer["finished"])
+        return int(answer["finished"])
 
     def close(self) -> None:
         """End the recorder; an unfinished recording is finished by it."""

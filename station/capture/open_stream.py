@@ -16,6 +16,7 @@ without it ``net.core.rmem_max`` is the limit, and where that is low the packet 
 import contextlib
 import os
 import socket
+import stat
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -94,10 +95,18 @@ def enlarge_receive_buffer(port: int) -> int:
     The kernel counts its own bookkeeping too: a packet of 9000 bytes takes about 16 kB of it.
     """
     for name in os.listdir("/proc/self/fd"):
-        with contextlib.suppress(OSError), socket.socket(fileno=os.dup(int(name))) as candidate:
-            if candidate.type == socket.SOCK_DGRAM and candidate.getsockname()[1] == port:
-                return _enlarged(candidate)
+        with contextlib.suppress(OSError):  # the listing's own is gone by now
+            if not stat.S_ISSOCK(os.fstat(int(name)).st_mode):
+                continue
+            with socket.socket(fileno=os.dup(int(name))) as candidate:
+                if _is_bound_to(candidate, port):
+                    return _enlarged(candidate)
     raise LookupError(f"no UDP socket of this process is bound to port {port}")
+
+
+def _is_bound_to(candidate: socket.socket, port: int) -> bool:
+    datagrams = (candidate.family, candidate.type) == (socket.AF_INET, socket.SOCK_DGRAM)
+    return datagrams and candidate.getsockname()[1] == port
 
 
 def _enlarged(stream_socket: socket.socket) -> int:

@@ -101,15 +101,15 @@ class Recorder:
         camera = CalibrationDocument.model_validate_json(document).camera.model()
         self._ready().write_calibration(self._sensor, camera)
 
-    def _finish(self, accounting: dict[str, str]) -> dict[str, Any]:
-        """Finish the recording; one that a full disk has ended is finished already."""
+    def _finish(self, accounting: dict[str, str]) -> int:
+        """Finish the recording, unless a full disk has; return how many frames it holds."""
         if self._writer is None:
             raise RecordingError("no recording is open; open one first")
         if self._failure is None:
             self._writer.write_metadata("accounting", accounting)
         summary = self._writer.finish()
         self._writer = None
-        return {"frames": sum(summary.frames.values()), "size_bytes": summary.size_bytes}
+        return summary.frames.get(self._sensor, 0)
 
     def _finish_alone(self) -> None:
         if self._writer is None:

@@ -138,13 +138,19 @@ class CaptureSession:
         names = ("triggered", "recorded", "lost", "refused", "repeated", "complete")
         accounting = {name: str(counts[name]) for name in names} | self.intake.receiving
         try:
-            self._link.finish(accounting)
+            frames = self._finished_by_some_recorder(accounting)
+        except StationError as error:
+            self.intake.fail(error)
+        else:
+            self.intake.compare(frames)
+
+    def _finished_by_some_recorder(self, accounting: dict[str, str]) -> int:
+        try:
+            return self._link.finish(accounting)
         except RecorderDied:
             self.intake.revive()
             self._settle()
-            self._link.finish(accounting)
-        except StationError as error:
-            self.intake.fail(error)
+            return self._link.finish(accounting)
 
     def _report(self, triggered: int | None) -> CaptureReport:
         intake, account = self.intake, self.intake.account

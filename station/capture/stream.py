@@ -57,7 +57,7 @@ class FrameStream:
 
     @property
     def underruns(self) -> int:
-        """Frames that met no free slot."""
+        """Packets that met no free slot."""
         return int(self._stream.get_info_uint64_by_name("n_underruns"))
 
     @property

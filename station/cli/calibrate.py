@@ -16,6 +16,7 @@ from station.documents import (
 )
 from station.errors import NothingMeasurable
 from station.pipeline import calibrate_sources
+from station.report import calibration_report
 
 
 def calibrate(
@@ -34,6 +35,9 @@ def calibrate(
     ] = None,
     points: Annotated[
         Path | None, typer.Option(metavar="FILE", help="points.csv to write: every point.")
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Report to write: one page of HTML.")
     ] = None,
     mounting: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Survey of the sensor's place (JSON).")
@@ -57,6 +61,8 @@ def calibrate(
     document.write(out)
     if points is not None:
         write_whole(points, outcome.points_csv)
+    if report is not None:
+        write_whole(report, calibration_report(document, outcome.points_csv, sources))
     emit(document.model_dump(mode="json"), _text(document, out), as_json=as_json)
     failed = [name for name, gate in document.quality.items() if not gate.passed]
     if failed:

@@ -31,7 +31,7 @@ def serve(
 
     supervise(
         settings,
-        admin_key_given="STATION_ADMIN_KEY" in os.environ,
+        admin_key=os.environ.get("STATION_ADMIN_KEY"),
         say=lambda line: typer.echo(line, err=True),
         announce=announce,
     )

@@ -65,7 +65,7 @@ def calibrate_sources(
         laser_off=laser_off,
         progress=lambda part, what: progress(0.9 * part, what),
     )
-    width, height = _picture_size(seen, camera)
+    width, height = picture_size(seen, camera)
     progress(0.9, f"solving {method}")
     answer = calibrate(seen.views, target, width=width, height=height, camera=camera, method=method)
     left_out = (*seen.left_out, *((v.name, v.left_out) for v in answer.views if v.left_out))
@@ -91,7 +91,14 @@ def calibrate_sources(
     return CalibrationOutcome(document, points_csv(seen.views, answer), left_out)
 
 
-def _picture_size(seen: Observations, camera: CameraModel | None) -> tuple[int, int]:
+def picture_size(seen: Observations, camera: CameraModel | None) -> tuple[int, int]:
+    """Return width and height of the pictures observed, px.
+
+    Raises
+    ------
+    InputUnusable
+        If they are not of the camera's size, or neither pictures nor camera tell one.
+    """
     if camera is None:
         if seen.width is None or seen.height is None:
             raise InputUnusable(

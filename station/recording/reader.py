@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.records import Attachment, ChunkIndex, Metadata
 
-from calib import Picture
 from station.errors import NotFound
 from station.recording.chunks import StoredMessage, messages, read_chunk
 from station.recording.events import Event
@@ -18,6 +18,9 @@ from station.recording.layout import DAMAGED, PREFIX
 from station.recording.opening import Recording, open_recording
 from station.recording.rawimage import read_raw_image
 from station.recording.topics import Topic, channels_of, parse_topic
+
+if TYPE_CHECKING:  # importing `calib` would make a new recorder late by half a second
+    from calib import Picture
 
 _ENCODINGS = frozenset({"mono8", "8UC1"})  # two names of one thing
 
@@ -33,7 +36,7 @@ class RecordedFrame:
     """When it was exposed, UTC."""
     host_time_ns: int
     """When it was received, by this host's clock, UTC."""
-    picture: Picture
+    picture: "Picture"
     """Shape (H, W), read-only."""
     exposure_us: float | None
     """Exposure time, where the recording says it."""

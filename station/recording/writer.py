@@ -6,18 +6,20 @@ from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
 from mcap.records import Attachment, Channel, Metadata, Schema
 
-from calib import CameraModel
 from station.errors import DiskFull, RecordingError
 from station.recording.activefile import ActiveFile, active_path
 from station.recording.appender import Buffer, McapAppender, Message
 from station.recording.events import Event, EventKind
 from station.recording.rawimage import raw_image_around
 from station.recording.topics import Topic, channels_of, message_encoding, schema_of, topic_name
+
+if TYPE_CHECKING:  # importing `calib` would make a new recorder late by half a second
+    from calib import CameraModel
 
 LIBRARY = "treadline"
 _MEDIA_TYPES = {".json": "application/json", ".csv": "text/csv"}
@@ -75,12 +77,12 @@ class RecordingWriter:
         self._summary: RecordingSummary | None = None
         self._file = ActiveFile.reopen(path) if resume else ActiveFile.create(path)
         self._appender = self._started(resume=resume)
-        for name, values in (metadata or {}).items():
-            if name not in self._appender.index.metadata_names:
-                self.write_metadata(name, values)
-        for name, content in (attachments or {}).items():
-            if name not in self._appender.index.attachment_names:
-                self.write_attachment(name, content)
+        try:
+            self._write_start(metadata or {}, attachments or {})
+        except DiskFull:
+            if not resume:  # there is nothing in it to keep
+                path.unlink()
+            raise
 
     def __enter__(self) -> Self:
         return self
@@ -122,7 +124,7 @@ class RecordingWriter:
         """Append an event."""
         self._write(sensor, Topic.EVENTS, 0, event.time_ns, event.time_ns, (event.message(),))
 
-    def write_calibration(self, sensor: str, camera: CameraModel) -> None:
+    def write_calibration(self, sensor: str, camera: "CameraModel") -> None:
         """Append the camera model in force."""
         now = self._now_ns()
         body = _camera_message(sensor, camera, now)
@@ -199,6 +201,16 @@ class RecordingWriter:
         self._appender.add(Channel(channel, name, message_encoding(topic), {}, schema))
         return channel
 
+    def _write_start(
+        self, metadata: Mapping[str, Mapping[str, str]], attachments: Mapping[str, bytes]
+    ) -> None:
+        """Write what stands before the messages, unless a writer that died has done so."""
+        index = self._appender.index
+        for name in metadata.keys() - index.metadata_names:
+            self.write_metadata(name, metadata[name])
+        for name in attachments.keys() - index.attachment_names:
+            self.write_attachment(name, attachments[name])
+
     @contextlib.contextmanager
     def _writing(self) -> Generator[None, None, None]:
         """Let one record be written; where there is no space for it, end the recording whole."""
@@ -240,7 +252,7 @@ class RecordingWriter:
         }
 
 
-def _camera_message(sensor: str, camera: CameraModel, now_ns: int) -> bytes:
+def _camera_message(sensor: str, camera: "CameraModel", now_ns: int) -> bytes:
     """Return a foxglove.CameraCalibration: OpenCV's K and D, no rectification."""
     message = CameraCalibration(
         frame_id=sensor,

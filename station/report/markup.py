@@ -19,7 +19,7 @@ Child = str | Markup | Iterable["Child"]
 Attribute = str | float | None
 
 
-def element(name: str, *children: Child, **attributes: Attribute) -> Markup:
+def element(name: str, /, *children: Child, **attributes: Attribute) -> Markup:
     """Return an element.
 
     In names of attributes a trailing underscore is dropped and others become hyphens

@@ -94,6 +94,7 @@ class Child:
             _log.error("ended by force", child=self.name, after_s=self.patience_s)
             self.handle.kill()
             self.handle.join()
+        _log.info("stopped", child=self.name, exitcode=self.handle.exitcode)
         self._forget()
 
     def _forget(self) -> None:

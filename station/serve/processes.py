@@ -27,10 +27,12 @@ def start_sensor(sensor: SensorSettings, run_dir: Path) -> BaseProcess:
     return start_capture(sensor, socket_path(run_dir, sensor.id))
 
 
-def start_api(settings: StationSettings, run_dir: Path, listening: socket.socket) -> BaseProcess:
+def start_api(
+    settings: StationSettings, run_dir: Path, listening: socket.socket, admin_key: str | None
+) -> BaseProcess:
     """Start the API process on a socket that listens already."""
     process = _SPAWN.Process(
-        target=_run_api, args=(settings, run_dir, listening, os.getpid()), name="api"
+        target=_run_api, args=(settings, run_dir, listening, admin_key, os.getpid()), name="api"
     )
     process.start()
     return process
@@ -52,7 +54,11 @@ def _run_worker(settings: StationSettings, supervisor_pid: int) -> None:
 
 
 def _run_api(
-    settings: StationSettings, run_dir: Path, listening: socket.socket, supervisor_pid: int
+    settings: StationSettings,
+    run_dir: Path,
+    listening: socket.socket,
+    admin_key: str | None,
+    supervisor_pid: int,
 ) -> None:
     import uvicorn  # noqa: PLC0415  only this process pays for it
 
@@ -60,7 +66,7 @@ def _run_api(
 
     end_with_parent(supervisor_pid)
     log_as("api")
-    app = assemble_api(settings, run_dir, admin_key=os.environ.get("STATION_ADMIN_KEY"))
+    app = assemble_api(settings, run_dir, admin_key=admin_key)
     config = uvicorn.Config(
         app,
         access_log=False,

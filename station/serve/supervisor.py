@@ -16,7 +16,7 @@ from station.serve.processes import start_api, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
 from station.serve.signals import StopSignal
 from station.settings import StationSettings
-from station.store import Scope, Store, add_key, any_key, migrate
+from station.store import Scope, Store, add_key, any_key, ensure_unguessable, migrate
 from station.worker import held
 
 _API_PATIENCE_S = 8.0
@@ -28,14 +28,15 @@ Say = Callable[[str], None]
 
 
 def supervise(
-    settings: StationSettings, *, admin_key_given: bool, say: Say, announce: Announce
+    settings: StationSettings, *, admin_key: str | None, say: Say, announce: Announce
 ) -> None:
     """Run the station until SIGTERM or SIGINT.
 
     Parameters
     ----------
-    admin_key_given
-        The environment holds a key; otherwise the first start makes one and says it once.
+    admin_key
+        A key that is good besides those of the store; without it the first start makes one and
+        says it once.
     say
         Where a line for people goes.
     announce
@@ -44,23 +45,25 @@ def supervise(
     Raises
     ------
     InputUnusable
-        If the port is in use, or the data folder cannot be used.
+        If the port is in use, the data folder cannot be used, or the key is too short.
     StateConflict
         If a station runs already on this data folder.
     """
+    if admin_key is not None:
+        ensure_unguessable(admin_key)
     layout = DataLayout(settings.data_dir)
     layout.ensure()
     with held(layout.station_lock, "a station"), listen(settings.host, settings.port) as listening:
         migrate(layout.store_url)
-        if not admin_key_given:
+        if admin_key is None:
             _ensure_admin_key(layout, say)
         # In the temporary folder: the path of a Unix socket may have 107 bytes only.
         run_dir = Path(tempfile.mkdtemp(prefix="treadline-"))
         try:
             stop = StopSignal()
             begin_announcing(url_of(listening), announce, stop)
-            start_the_api = partial(start_api, settings, run_dir, listening)
-            _run(_children(settings, run_dir, start_the_api), stop)
+            start_the_api = partial(start_api, settings, run_dir, listening, admin_key)
+            _run(_stages(settings, run_dir, start_the_api), stop)
         finally:
             shutil.rmtree(run_dir, ignore_errors=True)
 
@@ -74,20 +77,24 @@ def _ensure_admin_key(layout: DataLayout, say: Say) -> None:
     store.close()
 
 
-def _children(
+Stages = Sequence[Sequence[Child]]
+
+
+def _stages(
     settings: StationSettings, run_dir: Path, start_the_api: Callable[[], Handle]
-) -> list[Child]:
-    """Return the processes in the order in which they end: who gives orders first."""
+) -> Stages:
+    """Return the processes in the stages in which they end: first who gives the cameras orders."""
     captures = [
         Child(f"capture {sensor.id}", partial(start_sensor, sensor, run_dir), _CAPTURE_PATIENCE_S)
         for sensor in settings.sensors
     ]
     worker = Child("worker", partial(start_worker, settings), _WORKER_PATIENCE_S)
-    return [Child("api", start_the_api, _API_PATIENCE_S), *captures, worker]
+    return [Child("api", start_the_api, _API_PATIENCE_S), worker], captures
 
 
-def _run(children: Sequence[Child], stop: StopSignal) -> None:
-    """Keep the processes running until the signal; then end them in their order."""
+def _run(stages: Stages, stop: StopSignal) -> None:
+    """Keep the processes running until the signal; then end them stage by stage."""
+    children = [child for stage in stages for child in stage]
     try:
         for child in reversed(children):
             if not stop.received:
@@ -97,10 +104,12 @@ def _run(children: Sequence[Child], stop: StopSignal) -> None:
             for child in children:
                 child.mend()
     finally:
-        for child in children:
-            child.ask_to_end()
-            child.ensure_ended()
-        _log.info("stopped")
+        for stage in stages:
+            for child in stage:
+                child.ask_to_end()
+            for child in stage:
+                child.ensure_ended()
+        _log.info("station stopped")
 
 
 def _wait(children: Sequence[Child], stop: StopSignal) -> None:

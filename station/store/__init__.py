@@ -14,7 +14,15 @@ from station.store.jobs import (
     start,
     unfinished_jobs,
 )
-from station.store.keys import Caller, Scope, add_key, any_key, caller_of, digest
+from station.store.keys import (
+    Caller,
+    Scope,
+    add_key,
+    any_key,
+    caller_of,
+    digest,
+    ensure_unguessable,
+)
 from station.store.lookups import (
     Page,
     counts_by_state,
@@ -93,6 +101,7 @@ __all__ = [
     "digest",
     "frame_totals",
     "end",
+    "ensure_unguessable",
     "measurements_page",
     "migrate",
     "open_sessions",

@@ -10,9 +10,11 @@ from enum import StrEnum
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
+from station.errors import InputUnusable
 from station.store.tables import Key
 
 _PREFIX = "tl"
+_SHORTEST = 32
 
 
 class Scope(StrEnum):
@@ -77,6 +79,20 @@ def caller_of(session: Session, text: str, *, at: datetime) -> Caller | None:
     if key.revoked_at is not None or (key.expires_at is not None and key.expires_at <= at):
         return None
     return Caller(key.name, frozenset(Scope(scope) for scope in key.scopes["scopes"]))
+
+
+def ensure_unguessable(key: str) -> None:
+    """Refuse a key of somebody's own making that is too short.
+
+    Raises
+    ------
+    InputUnusable
+        If it has fewer than 32 characters.
+    """
+    if not len(key) >= _SHORTEST:
+        raise InputUnusable(
+            f"STATION_ADMIN_KEY has {len(key)} characters; give a random one of {_SHORTEST} or more"
+        )
 
 
 def any_key(session: Session) -> bool:

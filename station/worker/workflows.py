@@ -10,7 +10,7 @@ from collections.abc import Callable
 import structlog
 from dbos import DBOS, DBOSConfig, SetWorkflowID
 
-from station.store import Job, JobKind, unfinished_jobs
+from station.store import Job, JobKind, JobState, unfinished_jobs
 from station.worker.calibrating import calibrate, fail_calibration
 from station.worker.context import WorkContext
 from station.worker.measuring import (
@@ -73,7 +73,10 @@ class Workflows:
 
     def stop(self, patience_s: int) -> None:
         """Stop the engine; a step not done in time is done again after the next start."""
-        DBOS.destroy(workflow_completion_timeout_sec=patience_s)
+        with self._context.store.look() as session:
+            busy = any(job.state is JobState.RUNNING for job in unfinished_jobs(session))
+        # Asked to wait at all, the engine waits for a second at least.
+        DBOS.destroy(workflow_completion_timeout_sec=patience_s if busy else 0)
 
 
 def _register(context: WorkContext) -> dict[JobKind, Callable[[str], None]]:

@@ -76,7 +76,7 @@ def assert_reaches_the_bound(rng, level, runs):
 
 @pytest.mark.parametrize("level", SHORT, ids=str)
 def test_rms_error_is_within_five_per_cent_of_the_bound(rng, level):
-    assert_reaches_the_bound(rng, level, runs=30)
+    assert_reaches_the_bound(rng, level, runs=20)
 
 
 @pytest.mark.slow
@@ -130,7 +130,7 @@ def understate(view, factor):
     )
 
 
-@pytest.mark.parametrize(
+CASES = pytest.mark.parametrize(
     ("camera", "target", "understated"),
     [
         (PAPER_CAMERA, PAPER_TARGET, 1.0),
@@ -139,13 +139,27 @@ def understate(view, factor):
     ],
     ids=["camera held", "discs, sigmas understated three times", "camera estimated"],
 )
-def test_predicted_sigma_matches_the_scatter_and_intervals_cover(rng, camera, target, understated):
-    runs = 120 if camera else 80
-    scaled = scaled_errors(rng, runs, camera=camera, target=target, understated=understated)
-    # One standard deviation from n runs is known to 1 / sqrt(2 n), 6.5 to 8 %, less where several
-    # parameters err on their own; the mean over the parameters is asked to be within 10 %.
+
+
+@CASES
+def test_predicted_sigma_matches_the_scatter(rng, camera, target, understated):
+    scaled = scaled_errors(rng, 50, camera=camera, target=target, understated=understated)
+    # One standard deviation of 50 runs is known to 10 %. Those of one plane or camera go together
+    # but for two or three directions, so their mean is known to about 6 %; three of those.
+    assert rms(scaled).mean() == pytest.approx(1.0, abs=0.18)
+
+
+@pytest.mark.slow
+@CASES
+def test_predicted_sigma_is_true_within_ten_per_cent_and_intervals_cover(
+    rng, camera, target, understated
+):
+    scaled = np.concatenate([
+        scaled_errors(rng, 60, camera=camera, target=target, understated=understated)
+        for _ in range(10)
+    ])
     assert rms(scaled).mean() == pytest.approx(1.0, abs=0.10)
-    assert np.mean(np.abs(scaled) < 1.96) == pytest.approx(0.95, abs=0.03)
+    assert np.mean(np.abs(scaled) < 1.96) == pytest.approx(0.95, abs=0.02)
 
 
 def test_a_camera_with_a_covariance_is_a_prior_and_ends_better_known(rng):

@@ -10,6 +10,7 @@ from measure.cleaning import keep_wheel
 from measure.flange import Voters, find_flanges
 from measure.noise import noise_of
 from measure.pieces import pieces, sizes
+from measure.registration import refine_shift, see_back_face, unworn_misfit_mm
 from measure.template import template_of
 
 TEMPLATE = template_of(reference_profile("S1002"))
@@ -134,3 +135,27 @@ def test_two_flanges_are_both_told():
         )
     )
     assert len(find_flanges(both, TEMPLATE)) == 2
+
+
+def test_a_rough_shift_is_refined_on_back_and_tip(rng):
+    points, *_ = laid(rng=rng)
+    worn = points - np.column_stack([np.zeros(len(points)), 4.0 * (points[:, 0] > -20.0)])
+    shift = refine_shift(worn + [3.0, 400.0], np.array([4.2, 398.9]), TEMPLATE)
+    # 160 points of 0.01 mm: a micrometre or two across, and along through the tip's curvature.
+    np.testing.assert_allclose(shift, [3.0, 400.0], atol=0.01)
+    assert unworn_misfit_mm(worn + [3.0, 400.0], shift, TEMPLATE) < 0.01
+
+
+def test_back_face_is_the_mean_of_its_points_without_the_dirt_on_it(rng):
+    points, sigma, _ = laid(rng=rng)
+    points = points.copy()
+    points[5:9, 0] -= 0.6
+    back = see_back_face(points, sigma, np.zeros(2), TEMPLATE)
+    # Some 30 points of 0.01 mm.
+    assert back.a_mm == pytest.approx(-70.0, abs=0.006)
+    assert back.gradient.sum() == pytest.approx(1.0)
+
+
+def test_a_scrap_of_back_face_is_not_trusted(rng):
+    points, sigma, _ = laid(rng=rng)
+    assert see_back_face(points[27:], sigma[27:], np.zeros(2), TEMPLATE) is None

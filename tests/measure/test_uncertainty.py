@@ -5,8 +5,10 @@ import pytest
 import wheel_stripes as ws
 
 from calib import CameraModel, LaserSensor, LightPlane
-from measure import WheelFrame, measure_wheel, reference_profile
-from measure.uncertainty import whitened
+from measure import Status, WheelFrame, measure_wheel, reference_profile
+from measure.frame import Value
+from measure.uncertainty import Budget, whitened
+from measure.wheel import generalised_mean
 
 SENSOR, RIG = ws.trackside()
 QUANTITIES = ("flange_height", "flange_thickness_10", "flange_thickness_12", "flange_gradient_qr")
@@ -76,3 +78,20 @@ def test_whitened_motions_make_up_the_covariance(rng):
     parts = whitened(motion, covariance).reshape(10, 13)
     plain = motion.reshape(10, 13) @ covariance @ motion.reshape(10, 13).T
     np.testing.assert_allclose(parts @ parts.T, plain, rtol=1e-9, atol=1e-12)
+
+
+def value(mm, single, *shared):
+    return Value(mm, Budget(single, np.array(shared)), Status.OK)
+
+
+def test_pictures_with_opposite_errors_of_one_cause_cancel_it():
+    # The same unknown moves one picture up by 1, the other down by 3: three parts to one.
+    mean, sigma = generalised_mean([value(1.0, 0.001, 1.0), value(-3.0, 0.001, -3.0)])
+    assert mean == pytest.approx(0.0, abs=1e-4)
+    # 0.001 x sqrt(0.75^2 + 0.25^2) is left of the pictures' own parts.
+    assert sigma == pytest.approx(7.9e-4, rel=0.01)
+
+
+def test_what_all_pictures_share_no_mean_removes():
+    _, sigma = generalised_mean([value(1.0, 0.03, 0.1)] * 9)
+    assert sigma == pytest.approx(np.hypot(0.01, 0.1))

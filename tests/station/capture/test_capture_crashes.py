@@ -1,6 +1,8 @@
 """What is left when a process dies or the camera goes: nothing that another holds is lost."""
 
+import contextlib
 import os
+import resource
 import signal
 import time
 from pathlib import Path
@@ -151,21 +153,82 @@ def test_terminated_capture_process_finishes_its_recording(tmp_path, path):
     assert not (tmp_path / "s.sock").exists()
 
 
+def test_recorder_that_stalls_loses_what_the_ring_cannot_hold_and_says_so(tmp_path, path):
+    address = "127.20.3.8"
+    with (
+        small_camera(address) as camera,
+        capture_of(sensor_at(address, ring_slots=8), tmp_path) as (client, process),
+    ):
+        wait_for(client, is_idle)
+        client.arm(plan_for(path))
+        fire(camera, 5)
+        wait_for(client, lambda status: status.recorded == 5)
+        os.kill(recorder_of(process), signal.SIGSTOP)
+        fire(camera, 30)
+        time.sleep(1.5)
+        os.kill(recorder_of(process), signal.SIGCONT)
+        fire(camera, 5)
+        report = client.finish(expected_frames=40)
+    assert report.recorded + report.lost + report.refused == 40
+    assert 13 <= report.recorded < 40
+    assert not report.complete
+    assert EventKind.RING_FULL in kinds(events(path))
+    ids = [frame.frame_id for frame in frames(path)]
+    assert len(ids) == report.recorded
+    assert verify(path).ok
+    assert verify(path).lost == report.lost + report.refused
+
+
+@pytest.fixture
+def small_disk():
+    """Let no file of this process's children grow beyond 2 MB, as a full disk does."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_full_disk_ends_the_recording_whole_and_the_capture_lives_on(tmp_path, path, small_disk):
+    address = "127.20.3.9"
+    with (
+        small_camera(address) as camera,
+        capture_of(sensor_at(address), tmp_path) as (client, _),
+    ):
+        wait_for(client, is_idle)
+        client.arm(plan_for(path))
+        fire(camera, 40)
+        report = client.finish(expected_frames=40)
+        client.arm(plan_for(tmp_path / "b.mcap"))
+        fire(camera, 2)
+        again = client.finish(expected_frames=2)
+    assert report.recorded + report.lost == 40
+    assert 20 <= report.recorded <= 26  # 77 kB each
+    assert not report.complete
+    assert EventKind.DISK_FULL in kinds(report.events)
+    assert EventKind.DISK_FULL in kinds(events(path))
+    assert_served(path, 0, range(1, report.recorded + 1))
+    assert verify(path).ok
+    assert again.complete
+
+
 def test_camera_gone_and_back_goes_on_in_the_same_recording(tmp_path, path):
     address = "127.20.3.6"
-    with capture_of(sensor_at(address), tmp_path) as (client, _):
-        with small_camera(address) as camera:
+    before, after = small_camera(address), small_camera(address)
+    with contextlib.ExitStack() as until_the_end:
+        until_the_end.callback(after.stop)
+        client, _ = until_the_end.enter_context(capture_of(sensor_at(address), tmp_path))
+        with before:
             wait_for(client, is_idle)
             client.arm(plan_for(path))
-            fire(camera, 5)
+            fire(before, 5)
             wait_for(client, lambda status: status.recorded == 5)
         wait_for(client, lambda status: status.state is CaptureState.BLIND)
-        with small_camera(address) as camera:
-            wait_for(client, lambda status: status.state is CaptureState.RECORDING)
-            fire(camera, 4)
-            wait_for(client, lambda status: status.recorded == 9)
-            report = client.finish(expected_frames=9)
-            wait_for(client, is_idle)
+        after.start()
+        wait_for(client, lambda status: status.state is CaptureState.RECORDING)
+        fire(after, 4)
+        wait_for(client, lambda status: status.recorded == 9)
+        report = client.finish(expected_frames=9)
+        assert is_idle(client.status())
     assert (report.recorded, report.complete) == (9, False)
     assert [frame.frame_id for frame in frames(path)] == [1, 2, 3, 4, 5, 1, 2, 3, 4]
     assert {EventKind.CAMERA_LOST, EventKind.CAMERA_BACK} <= kinds(events(path))
@@ -174,10 +237,13 @@ def test_camera_gone_and_back_goes_on_in_the_same_recording(tmp_path, path):
 
 def test_camera_that_never_answers_is_unreachable_and_is_found_when_it_comes(tmp_path, path):
     address = "127.20.3.7"
-    with capture_of(sensor_at(address), tmp_path) as (client, _):
+    camera = small_camera(address)
+    with contextlib.ExitStack() as until_the_end:
+        until_the_end.callback(camera.stop)
+        client, _ = until_the_end.enter_context(capture_of(sensor_at(address), tmp_path))
         with pytest.raises(CameraUnreachable, match="no camera answers at 127.20.3.7"):
             client.arm(plan_for(path))
         assert client.status().state is CaptureState.UNAVAILABLE
-        with small_camera(address):
-            assert wait_for(client, is_idle).problem is None
+        camera.start()
+        assert wait_for(client, is_idle).problem is None
     assert list(tmp_path.glob("*.mcap*")) == []

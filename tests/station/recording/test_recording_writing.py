@@ -115,6 +115,13 @@ def test_full_disk_ends_the_recording_whole_and_says_so(tmp_path, rng, full_afte
     assert summary.size_bytes == path.stat().st_size
 
 
+def test_disk_full_before_the_first_frame_leaves_nothing(tmp_path, full_after):
+    full_after(2000)
+    with pytest.raises(DiskFull, match="no space left"):
+        RecordingWriter(tmp_path / "a.mcap", attachments={"calibration.json": bytes(3000)})
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_no_space_for_the_summary_gives_up_the_last_frames(tmp_path, rng, full_after):
     path = tmp_path / "a.mcap"
     writer = RecordingWriter(path)

@@ -230,6 +230,17 @@ def test_the_station_ends_in_order_and_its_key_is_shown_once(service, camera, ca
         again.close()
 
 
+def test_a_key_that_could_be_guessed_is_one_line_and_exit_2(tmp_path):
+    service = Service(tmp_path, STATION_ADMIN_KEY="letmein")
+    try:
+        assert service.process.wait(PATIENCE_S) == 2
+        assert service.lines == [
+            "station: STATION_ADMIN_KEY has 7 characters; give a random one of 32 or more"
+        ]
+    finally:
+        service.close()
+
+
 def test_a_port_in_use_is_one_line_and_exit_2(tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as listening:
         port = listening.getsockname()[1]

@@ -1,0 +1,74 @@
+"""Which ridge points of a picture lie on the section of a cylinder of known nominal radius."""
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from calib.arrays import BoolArray, FloatArray
+from calib.sensor import LaserSensor
+from calib.sheet_frame import SheetFrame
+from calib.views import StripePoints
+
+# Parts of the nominal radius. A tilt of 20 degrees makes the section 6 % longer than wide and
+# turns its normals by up to 3.5 degrees, which moves a vote for its centre by 6 %.
+_VOTE_REACH = 0.08
+_MEMBER_REACH = 0.10
+# The normal of a point of the section, against the direction to the centre.
+_ALIKE = 0.95
+
+
+def points_of_arc(
+    stripe: StripePoints, sensor: LaserSensor, frame: SheetFrame, radius_mm: float
+) -> tuple[BoolArray, FloatArray]:
+    """Return the points that most nearly make a circle of a radius on the sheet.
+
+    Parameters
+    ----------
+    stripe
+        All ridge points of a picture.
+    sensor, frame
+        Where they lie on the sheet.
+    radius_mm
+        Nominal radius.
+
+    Returns
+    -------
+    on_arc
+        Shape (N,); all False where there are no points.
+    centre_mm
+        Shape (2,), rough, on the sheet.
+
+    Notes
+    -----
+    Each point votes for the two centres at the radius along its own normal; the centre with most
+    votes nearby is taken. Straight edges and texture vote all over the place.
+    """
+    none = np.zeros(len(stripe), dtype=bool)
+    place, normal = on_sheet(stripe, sensor, frame)
+    found = np.flatnonzero(np.isfinite(place).all(axis=1) & np.isfinite(normal).all(axis=1))
+    if found.size == 0:
+        return none, np.zeros(2)
+    place, normal = place[found], normal[found]
+    votes = np.concatenate([place + radius_mm * normal, place - radius_mm * normal])
+    tree = KDTree(votes)
+    near = tree.query_ball_point(votes, _VOTE_REACH * radius_mm, return_length=True)
+    most = votes[int(np.argmax(near))]
+    centre = votes[tree.query_ball_point(most, _VOTE_REACH * radius_mm)].mean(axis=0)
+    towards = place - centre
+    distance = np.linalg.norm(towards, axis=1)
+    aligned = np.abs((towards * normal).sum(axis=1)) > _ALIKE * distance
+    member = aligned & (np.abs(distance - radius_mm) < _MEMBER_REACH * radius_mm)
+    on_arc = none
+    on_arc[found[member]] = True
+    return on_arc, np.asarray(centre)
+
+
+def on_sheet(
+    stripe: StripePoints, sensor: LaserSensor, frame: SheetFrame
+) -> tuple[FloatArray, FloatArray]:
+    """Return places and unit normals of a stripe on the sheet, both shape (N, 2), NaN off it."""
+    by_pixel, _ = sensor.location_jacobians(stripe.centre_px)
+    along_px = np.column_stack([-stripe.normal[:, 1], stripe.normal[:, 0]])
+    along = (by_pixel @ along_px[:, :, None])[:, :, 0] @ frame.axes_in_cam.T
+    normal = np.column_stack([-along[:, 1], along[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    return frame.coordinates(sensor.locate(stripe.centre_px)), normal

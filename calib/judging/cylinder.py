@@ -1,0 +1,119 @@
+"""The radius of a cylinder as the sensor measures it: the paper's Table 5."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.arrays import FloatArray
+from calib.judging.arc import points_of_arc
+from calib.judging.fitted_arc import FittedArc
+from calib.sensor import LaserSensor
+from calib.sheet_frame import SheetFrame
+from calib.views import StripePoints
+
+_FEWEST_POINTS = 60
+_SHORTEST_ARC_RAD = np.radians(60.0)
+_FARTHEST_RADIUS = 0.2  # of the nominal one
+_TWO_SIDED_95 = 1.96
+
+
+@dataclass(frozen=True, slots=True)
+class CylinderReading:
+    """One placement of a cylinder.
+
+    Attributes
+    ----------
+    name
+        Name of the picture.
+    radius_mm, u95_mm
+        The radius and its expanded uncertainty; the sensor's own part is in it. NaN where the
+        cylinder could not be measured.
+    rms_mm
+        Root mean square distance of the points from the mantle.
+    tilt_deg
+        Of the axis, from square to the sheet.
+    arc_deg, points
+        How much of the section is seen, and in how many points.
+    reason
+        Why there is no reading; empty where there is one.
+    """
+
+    name: str
+    radius_mm: float = float("nan")
+    u95_mm: float = float("nan")
+    rms_mm: float = float("nan")
+    tilt_deg: float = float("nan")
+    arc_deg: float = 0.0
+    points: int = 0
+    reason: str = ""
+
+
+def judge_cylinder(
+    stripe: StripePoints,
+    sensor: LaserSensor,
+    radius_mm: float,
+    *,
+    name: str,
+    axis_in_cam: FloatArray | None = None,
+) -> CylinderReading:
+    """Measure the radius of a cylinder from the stripe on it.
+
+    Parameters
+    ----------
+    stripe
+        All ridge points of the picture; those on the cylinder are found by `radius_mm`.
+    sensor
+        The sensor under test.
+    radius_mm
+        Nominal radius.
+    name
+        Name of the picture.
+    axis_in_cam
+        Shape (3,), direction of the cylinder's axis in the camera frame where the fixture tells
+        it; None where it is to be found with the radius.
+
+    Returns
+    -------
+    CylinderReading
+        With a reason where nothing could be measured.
+
+    Notes
+    -----
+    See `fit_section`. The stripe's kernel draws points of a bent stripe inwards by its variance
+    over twice the bending radius in the picture; that is taken off. What scatters beyond the
+    points' sigma (speckle, the surface) is added to all of them alike.
+
+    An arc of 150 degrees tells the radius ten times worse while the axis is unknown.
+    """
+    frame = SheetFrame.of(sensor.plane)
+    on_arc, centre = points_of_arc(stripe, sensor, frame, radius_mm)
+    arc = stripe.select(on_arc)
+    if len(arc) < _FEWEST_POINTS:
+        reason = (
+            f"{len(arc)} stripe points make a section of radius {radius_mm:g} mm; "
+            f"{_FEWEST_POINTS} are needed"
+        )
+        return CylinderReading(name, points=len(arc), reason=reason)
+    slope = None if axis_in_cam is None else frame.slope_of(axis_in_cam)
+    fitted = FittedArc.settled(arc, sensor, frame, centre, radius_mm, slope)
+    return _reading(fitted, radius_mm, name)
+
+
+def _reading(fitted: FittedArc, radius_mm: float, name: str) -> CylinderReading:
+    fit, count = fitted.fit, len(fitted.arc)
+    reason = ""
+    if fitted.arc_rad < _SHORTEST_ARC_RAD:
+        reason = f"{np.degrees(fitted.arc_rad):.0f} degrees of the section are seen; 60 are needed"
+    elif not abs(fit.radius_mm - radius_mm) <= _FARTHEST_RADIUS * radius_mm:
+        reason = f"the section's radius is {fit.radius_mm:.2f} mm; is it this cylinder?"
+    if reason:
+        return CylinderReading(name, points=count, reason=reason)
+    return CylinderReading(
+        name,
+        radius_mm=fit.radius_mm,
+        u95_mm=_TWO_SIDED_95 * fitted.sigma_radius_mm,
+        rms_mm=float(np.sqrt(np.mean(fit.residual_mm[fitted.usual] ** 2))),
+        tilt_deg=float(np.degrees(np.arctan(np.linalg.norm(fit.slope)))),
+        arc_deg=float(np.degrees(fitted.arc_rad)),
+        points=count,
+    )

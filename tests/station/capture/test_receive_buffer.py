@@ -1,0 +1,38 @@
+"""Room in the kernel for packets, and asking for a camera: small talks with the system."""
+
+import os
+import socket
+
+import pytest
+from capture_rig import small_camera
+
+from station.capture.open_stream import enlarge_receive_buffer
+from station.capture.ping import answers_ping
+
+
+def buffer_of(udp):
+    return udp.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+
+
+def test_socket_of_a_port_gets_a_larger_buffer_and_no_descriptor_is_left():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+        udp.bind(("127.20.5.1", 0))
+        before = buffer_of(udp)
+        descriptors = os.listdir("/proc/self/fd")
+        granted = enlarge_receive_buffer(udp.getsockname()[1])
+        assert len(os.listdir("/proc/self/fd")) == len(descriptors)
+        assert granted == buffer_of(udp) > before
+
+
+def test_port_that_nobody_is_bound_to_is_an_error():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+        udp.bind(("127.20.5.1", 0))
+        port = udp.getsockname()[1]
+    with pytest.raises(LookupError, match=str(port)):
+        enlarge_receive_buffer(port)
+
+
+def test_camera_answers_a_ping_and_silence_does_not():
+    with small_camera("127.20.5.2"):
+        assert answers_ping("127.20.5.2")
+    assert not answers_ping("127.20.5.2")
