@@ -102,6 +102,8 @@ def crossings_on_board(view: View, target: Target, camera: CameraModel) -> Float
     seen = camera.rays(view.points.centre_px)[:, :2]
     row, col = view.points.row, view.points.col
     by_column = _crossings_of(seen, col, row, stripe, target.rows) * target.pitch_mm
+    if len(by_column) == target.cols:
+        return by_column
     by_row = _crossings_of(seen, row, col, stripe, target.cols) * target.pitch_mm
     return by_column if len(by_column) >= len(by_row) else by_row[:, ::-1]
 

@@ -14,7 +14,7 @@ from calib.joint.solve import Problem, Solution, solve
 from calib.observations import Observations
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
-from calib.start import has_stripe, start_plane, start_pose, stripe_line
+from calib.start import StripeLine, has_stripe, start_plane, start_pose, stripe_line
 from calib.target import Target
 from calib.views import View
 
@@ -75,14 +75,11 @@ class Prepared:
             for index, view in enumerate(views)
             if view.stripe is not None and has_stripe(view)
         }
-        ends = np.array([line.ends_mm for line in lines.values()])
         own = list(lines)
-        lever = ends.mean(axis=1) - dots_only.estimate.translation_mm[own]
-        by_pose = np.concatenate(
-            [-cross_matrices(lever), np.broadcast_to(np.eye(3), (len(own), 3, 3))], axis=2
+        first = start_plane(
+            np.array([line.ends_mm for line in lines.values()]),
+            _middle_covariance(list(lines.values()), own, dots_only),
         )
-        wander = by_pose @ dots_only.covariance.views[own] @ by_pose.transpose(0, 2, 1)
-        first = start_plane(ends, wander)
         stripe_in = np.zeros(len(views), dtype=bool)
         stripe_in[own] = first.agreeing
         on_line = np.zeros(len(observations.stripe), dtype=bool)
@@ -113,6 +110,17 @@ def _solve_dots(views: Sequence[View], target: Target, camera: CameraModel) -> S
     )
     first = [start_pose(view, target, camera) for view in bare]
     return solve(problem, Estimate.start(camera, None, first), near=False)
+
+
+def _middle_covariance(
+    lines: Sequence[StripeLine], views: Sequence[int], dots_only: Solution
+) -> FloatArray:
+    """Return the covariance of each stripe's middle by its pose, camera frame, (M, 3, 3), mm^2."""
+    middle = np.array([line.ends_mm for line in lines]).mean(axis=1)
+    arm = middle - dots_only.estimate.translation_mm[views]
+    shift = np.broadcast_to(np.eye(3), (len(arm), 3, 3))
+    by_pose = np.concatenate([-cross_matrices(arm), shift], axis=2)
+    return np.asarray(by_pose @ dots_only.covariance.views[views] @ by_pose.transpose(0, 2, 1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -187,7 +187,7 @@ def _join(
 
 
 def generalised_mean(values: Sequence[Value]) -> tuple[float, float]:
-    """Mean and sigma of values that share causes of error (Aitken)."""
+    """Return mean and sigma of values that share causes of error, by generalised least squares."""
     shared = np.stack([value.budget.shared_mm for value in values])
     single = np.array([value.budget.single_mm for value in values])
     covariance = np.diag(single**2 + MODEL_FLOOR_MM**2) + shared @ shared.T

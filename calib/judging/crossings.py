@@ -79,9 +79,8 @@ def grid_crossings(view: View, target: Target, camera: CameraModel) -> Crossings
     stripe, used = _stripe_line(view.stripe, camera)
     # A line maps by the transpose of the map of points.
     on_board = picture_from_board.T @ stripe
-    ends = apply_homography(
-        np.linalg.inv(picture_from_board), camera.rays(view.stripe.centre_px)[used, :2]
-    )
+    board_from_picture: FloatArray = np.linalg.inv(picture_from_board).astype(np.float64)
+    ends = apply_homography(board_from_picture, camera.rays(view.stripe.centre_px)[used, :2])
     by_column = _crossed(on_board, ends, target, axis=0)
     by_row = _crossed(on_board, ends, target, axis=1)
     columns = len(by_column) >= len(by_row)

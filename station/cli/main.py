@@ -22,12 +22,15 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "intrinsics": ("station.cli.intrinsics", "intrinsics"),
     "calibrate": ("station.cli.calibrate", "calibrate"),
     "measure": ("station.cli.measure", "measure"),
+    "compare": ("station.cli.compare", "compare"),
+    "table": ("station.cli.table", "table"),
     "gauge": ("station.cli.gauge", "gauge"),
     "bench": ("station.cli.bench", "bench"),
 }
 GROUPS: dict[str, str] = {
     "camera": "station.cli.camera",
     "recording": "station.cli.recording",
+    "evaluate": "station.cli.evaluate",
 }
 
 

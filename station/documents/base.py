@@ -43,8 +43,8 @@ class Document(BaseModel):
         write_whole(path, self.model_dump_json(indent=2) + "\n")
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Replace the file at `path` by `text` in one step.
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Replace the file at `path` by `content`, text as UTF-8, in one step.
 
     Raises
     ------
@@ -53,8 +53,8 @@ def write_whole(path: Path, text: str) -> None:
     """
     try:
         descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
-            stream.write(text)
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(content.encode() if isinstance(content, str) else content)
             stream.flush()
             os.fsync(stream.fileno())
         Path(name).chmod(0o644)

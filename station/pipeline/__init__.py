@@ -11,11 +11,13 @@ from station.pipeline.judge import (
     leaving_out_of_sources,
     repeatability_of_sources,
 )
+from station.pipeline.judge_field import MAP_STEP_PX, working_pixels
 from station.pipeline.measure import measure_sources
 from station.pipeline.observe import Observations, observe_sources
 from station.pipeline.references import load_reference, read_profile
 
 __all__ = [
+    "MAP_STEP_PX",
     "CalibrationOutcome",
     "Frame",
     "Observations",
@@ -32,4 +34,5 @@ __all__ = [
     "read_frames",
     "read_profile",
     "repeatability_of_sources",
+    "working_pixels",
 ]

@@ -31,6 +31,9 @@ from station.pipeline.frames import count_frames, read_frames
 from station.pipeline.observe import Observations, observe_sources
 from station.progress import Progress, silent
 
+_LOCATE_S = 0.1
+"""What the stripe of a whole picture takes, about."""
+
 LeftOut = tuple[tuple[str, str], ...]
 """(name, reason) of pictures in which the target was not found."""
 
@@ -81,7 +84,9 @@ def cylinders_of_sources(
             yield frame.picture
 
     readings = []
-    stripes: Iterator[StripePoints] = map_on_all_cores(locate_stripe, pictures())
+    stripes: Iterator[StripePoints] = map_on_all_cores(
+        locate_stripe, pictures(), count=total, seconds_each=_LOCATE_S
+    )
     for done, stripe in enumerate(stripes):
         progress((done + 1) / total, f"picture {done + 1} of {total}")
         readings.append(

@@ -116,7 +116,7 @@ def ticks(low: float, high: float) -> FloatArray:
     """
     step = round_step((high - low) / _TICKS)
     first = np.ceil(low / step - 1e-9)
-    return np.asarray(np.arange(first, np.floor(high / step + 1e-9) + 1.0) * step)
+    return np.asarray(np.arange(first, np.floor(high / step + 1e-9) + 1.0) * step + 0.0)
 
 
 def round_step(step: float) -> float:
@@ -132,7 +132,7 @@ def round_step(step: float) -> float:
 
 
 def _tick(value: float) -> str:
-    return minus(f"{value + 0.0:g}")
+    return minus(f"{value:g}")
 
 
 def line_through(points: FloatArray) -> str:

@@ -1,30 +1,32 @@
-"""A calibration of known figures, solved from points alone, and pictures that belong to it."""
-
-from dataclasses import dataclass
-from datetime import UTC, datetime
-from pathlib import Path
-
-import cv2
 import numpy as np
 import pytest
+from report_samples import HOSTILE, TARGET, WITHOUT_TARGET, Kept, noise, save
 
-from calib import Cause, StripePoints, Target, TargetPoints, View
-from station.documents import CalibrationDocument, points_csv
-from station.pipeline import calibrate_sources
-from station.scenes import paper_sensor, target_poses
-
-TARGET = Target.parse("dots:7x8:12:d=6")
-HOSTILE = "<script>alert('1')</script> & \"quotes\".png"
-SIGMA_PX = 0.02
-NOISY_SIGMA_PX = 0.2
+from calib import Target
+from station.cli.main import build_app, run
+from station.documents import CalibrationDocument
+from station.scenes import Light, paper_sensor, target_scenes
 
 
-@dataclass(frozen=True)
-class Kept:
-    """What is kept of a calibration: the document, the points, the folder of pictures."""
-
-    document: CalibrationDocument
-    points_csv: str
-    folder: Path
-    noisiest: str
-    pose_names: tuple[str, ...]
+@pytest.fixture(scope="session")
+def kept(tmp_path_factory):
+    """What `station calibrate --report` leaves of four poses and a picture without a target."""
+    base = tmp_path_factory.mktemp("report")
+    folder = base / "pictures"
+    folder.mkdir()
+    rng = np.random.default_rng(11)
+    # Five pictures are looked at in this process: no time goes into starting others.
+    lights = [Light.GOOD, Light.DIM, Light.CROSSING, Light.GOOD]
+    names = [HOSTILE, *(f"pose{place}.png" for place in range(1, 4))]
+    scenes = target_scenes(rng, paper_sensor(), Target.parse(TARGET), lights)
+    for name, scene in zip(names, scenes, strict=True):
+        save(folder / name, scene.render(rng))
+    save(folder / WITHOUT_TARGET, noise(rng))
+    out, points, page = (base / name for name in ("c.json", "p.csv", "r.html"))
+    code = run(
+        build_app("calibrate"),
+        ["calibrate", str(folder), "--target", TARGET, "--out", str(out),
+         "--points", str(points), "--report", str(page)],
+    )  # fmt: skip
+    assert code == 0
+    return Kept(CalibrationDocument.read(out), points.read_text(), page.read_text(), folder)

@@ -51,7 +51,8 @@ class Service:
                 stdout=subprocess.PIPE,
                 stderr=stderr,
                 text=True,
-                env=clean | environment,
+                # A supervisor that is killed leaves its folder of sockets behind.
+                env=clean | {"TMPDIR": str(folder)} | environment,
             )
 
     def wait_until_ready(self):
