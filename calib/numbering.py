@@ -114,7 +114,7 @@ def _oriented(
             row_step, col_step = down - here, right - here
             handed = col_step[0] * row_step[1] - col_step[1] * row_step[0]
             downwards = float(row_step[1] / np.hypot(*row_step))
-            if handed < 0.0 and (best is None or downwards > best[0]):
+            if handed > 0.0 and (best is None or downwards > best[0]):
                 best = (downwards, numbering)
     if best is None:
         raise AssertionError("two of the four turns of a lattice are right-handed")

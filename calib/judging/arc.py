@@ -14,6 +14,8 @@ _VOTE_REACH = 0.08
 _MEMBER_REACH = 0.10
 # The normal of a point of the section, against the direction to the centre.
 _ALIKE = 0.95
+# Over one cylinder the focus, and so the width of the stripe, changes by far less.
+_WIDTHS_ALIKE = 2.0
 
 
 def points_of_arc(
@@ -59,7 +61,15 @@ def points_of_arc(
     member = aligned & (np.abs(distance - radius_mm) < _MEMBER_REACH * radius_mm)
     on_arc = none
     on_arc[found[member]] = True
-    return on_arc, np.asarray(centre)
+    return on_arc & _of_one_width(stripe.width_px, on_arc), np.asarray(centre)
+
+
+def _of_one_width(width_px: FloatArray, among: BoolArray) -> BoolArray:
+    """Tell the points as wide as most: the edge of a lit surface is wider or narrower."""
+    if not among.any():
+        return among
+    ratio = width_px / np.median(width_px[among])
+    return np.asarray((ratio < _WIDTHS_ALIKE) & (ratio > 1.0 / _WIDTHS_ALIKE))
 
 
 def on_sheet(

@@ -13,7 +13,11 @@ from calib.views import StripePoints
 
 _FEWEST_POINTS = 60
 _SHORTEST_ARC_RAD = np.radians(60.0)
-_FARTHEST_RADIUS = 0.2  # of the nominal one
+# Of the nominal radius.
+_FARTHEST_RADIUS = 0.2
+_LARGEST_SCATTER = 0.005
+# An axis that is 3 degrees off moves the points of an arc by as much as speckle does.
+_WORSE_WITH_AXIS = 1.5
 _TWO_SIDED_95 = 1.96
 
 
@@ -95,25 +99,46 @@ def judge_cylinder(
         )
         return CylinderReading(name, points=len(arc), reason=reason)
     slope = None if axis_in_cam is None else frame.slope_of(axis_in_cam)
-    fitted = FittedArc.settled(arc, sensor, frame, centre, radius_mm, slope)
-    return _reading(fitted, radius_mm, name)
-
-
-def _reading(fitted: FittedArc, radius_mm: float, name: str) -> CylinderReading:
-    fit, count = fitted.fit, len(fitted.arc)
-    reason = ""
-    if fitted.arc_rad < _SHORTEST_ARC_RAD:
-        reason = f"{np.degrees(fitted.arc_rad):.0f} degrees of the section are seen; 60 are needed"
-    elif not abs(fit.radius_mm - radius_mm) <= _FARTHEST_RADIUS * radius_mm:
-        reason = f"the section's radius is {fit.radius_mm:.2f} mm; is it this cylinder?"
+    fitted = FittedArc.settled(arc, sensor, frame, centre, radius_mm, None)
+    reason = _refusal(fitted, radius_mm)
+    if slope is not None and not reason:
+        free, fitted = fitted, FittedArc.settled(arc, sensor, frame, centre, radius_mm, slope)
+        reason = _refusal(fitted, radius_mm) or _contradiction(free, fitted)
     if reason:
-        return CylinderReading(name, points=count, reason=reason)
+        return CylinderReading(name, points=len(arc), reason=reason)
+    return _reading(fitted, name)
+
+
+def _refusal(fitted: FittedArc, radius_mm: float) -> str:
+    """Return why points are no section of the cylinder; empty where they are."""
+    found_mm = fitted.fit.radius_mm
+    if not fitted.arc_rad >= _SHORTEST_ARC_RAD:
+        return f"{np.degrees(fitted.arc_rad):.0f} degrees of the section are seen; 60 are needed"
+    if not abs(found_mm - radius_mm) <= _FARTHEST_RADIUS * radius_mm:
+        return f"the section's radius is {found_mm:.2f} mm; is it this cylinder?"
+    if not fitted.scatter_mm <= _LARGEST_SCATTER * radius_mm:
+        return f"points scatter by {fitted.scatter_mm:.2f} mm about a section; is there a cylinder?"
+    return ""
+
+
+def _contradiction(free: FittedArc, held: FittedArc) -> str:
+    """Return that the points contradict the axis given; empty where they do not."""
+    if held.scatter_mm <= _WORSE_WITH_AXIS * free.scatter_mm:
+        return ""
+    return (
+        f"points scatter by {held.scatter_mm:.3f} mm about a section with this axis, by "
+        f"{free.scatter_mm:.3f} mm about the best; the axis is another one"
+    )
+
+
+def _reading(fitted: FittedArc, name: str) -> CylinderReading:
+    fit = fitted.fit
     return CylinderReading(
         name,
         radius_mm=fit.radius_mm,
         u95_mm=_TWO_SIDED_95 * fitted.sigma_radius_mm,
-        rms_mm=float(np.sqrt(np.mean(fit.residual_mm[fitted.usual] ** 2))),
+        rms_mm=fitted.rms_mm,
         tilt_deg=float(np.degrees(np.arctan(np.linalg.norm(fit.slope)))),
         arc_deg=float(np.degrees(fitted.arc_rad)),
-        points=count,
+        points=len(fitted.arc),
     )

@@ -43,6 +43,16 @@ class FittedArc:
     arc_rad: float
     sigma_radius_mm: float
 
+    @property
+    def rms_mm(self) -> float:
+        """Root mean square distance of the usual points from the mantle."""
+        return float(np.sqrt(np.mean(self.fit.residual_mm[self.usual] ** 2)))
+
+    @property
+    def scatter_mm(self) -> float:
+        """Robust standard deviation of all points from the mantle."""
+        return float(np.median(np.abs(self.fit.residual_mm))) / 0.6745
+
     @classmethod
     def settled(
         cls,

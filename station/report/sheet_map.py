@@ -68,7 +68,9 @@ def sheet_map(document: CalibrationDocument, pictures: Sequence[PictureEvidence]
         " mm. Away from the dots the sheet is extrapolated. Axes lie in the sheet: x as the "
         "picture runs to the right, y as it runs down."
     )
-    return section("Uncertainty over the field", figure(join([_scale(levels_mm), drawing]), caption))
+    return section(
+        "Uncertainty over the field", figure(join([_scale(levels_mm), drawing]), caption)
+    )
 
 
 def _stripes_px(pictures: Sequence[PictureEvidence]) -> FloatArray:

@@ -57,22 +57,32 @@ def test_texts_from_file_names_are_shown_and_never_obeyed(kept, page):
     assert all("data:" in img.attributes["src"] for img in page.all("img"))
 
 
-def test_passed_gates_are_shown_with_figure_and_limit(kept, page):
-    assert "Passed: all 4 gates." in page.text
+def test_every_gate_is_shown_with_figure_and_limit(kept, page):
     gates = page.all("table")[0].all("tbody")[0].all("tr")
     for row, (name, gate) in zip(gates, kept.document.quality.items(), strict=True):
         state, demand, figure, limit, _bar = (cell.text for cell in row.children)
-        assert state == "passed"
+        assert state == ("passed" if gate.passed else "FAILED")
         assert name in demand
         assert agrees(figure, gate.value)
         assert agrees(limit.removeprefix("at most ").removeprefix("at least "), gate.limit)
 
 
-def test_failed_gate_is_the_first_thing_said(kept):
-    failing = {**kept.document.quality, "glass_mm": Gate(value=0.2, limit=0.05, passed=False)}
-    document = kept.document.model_copy(update={"quality": failing})
+def test_passed_gates_are_the_first_thing_said(kept):
+    passing = {name: Gate(value=1.0, limit=2.0, passed=True) for name in ("one", "other")}
+    document = kept.document.model_copy(update={"quality": passing})
     page = read_page(calibration_report(document, kept.points_csv))
-    assert page.all("section")[0].all("p")[0].text.startswith("Failed: 1 of 5 gates")
+    assert page.all("section")[0].all("p")[0].text == "Passed: all 2 gates."
+    assert "FAILED" not in page.text
+
+
+def test_failed_gate_is_the_first_thing_said(kept):
+    gates = {
+        "views_used": Gate(value=20.0, limit=3.0, passed=True),
+        "glass_mm": Gate(value=0.2, limit=0.05, passed=False),
+    }
+    document = kept.document.model_copy(update={"quality": gates})
+    page = read_page(calibration_report(document, kept.points_csv))
+    assert page.all("section")[0].all("p")[0].text.startswith("Failed: 1 of 2 gates")
     row = page.all("table")[0].all("tr")[-1].text
     assert "FAILED" in row
     assert "at most 0.0500" in row
