@@ -117,7 +117,7 @@ def measure_dots(
     radius = outlines.radius_px
     parameters = fit.parameters
     ground = np.clip(parameters[:, disc.GROUND], 0.0, 255.0)
-    sigma = 0.7 * by_noise
+    sigma = np.maximum(by_noise, spread)
     return DotCentres(
         centre_px=parameters[:, :2] + origin,
         sigma_px=sigma,

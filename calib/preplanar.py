@@ -13,17 +13,16 @@ import numpy as np
 from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.calibration import SolveReport, Termination
 from calib.camera import PARAMETERS, CameraModel
-from calib.cross_ratio import place_by_cross_ratio
+from calib.crossings import DotLine, crossed_lines, crossings_mm
 from calib.errors import TooFewViews
 from calib.homography import fit_homography, pose_from_homography
 from calib.joint.parameters import Estimate, Layout
 from calib.joint.residuals import Linear, linearise_dots, linearise_stripe
-from calib.lines import fit_line, fit_line_robustly, fit_plane
+from calib.lines import fit_line, fit_plane
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
 from calib.sensor import SENSOR_PARAMETERS
 from calib.solving import Answer, PointsAnswer, Prepared
-from calib.start import has_stripe
 from calib.target import Target
 from calib.views import View
 
@@ -31,24 +30,22 @@ from calib.views import View
 _SAMPLES = 300
 # Points within this many robust standard deviations of the best sample's plane are kept.
 _KEEP = 3.0
-# A crossing this many pitches beyond the outer dots is not on the target.
-_BEYOND = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Crossings:
-    """Where stripes cross columns of dots, all views together.
+class _Selection:
+    """Which lines of dots the stripes cross, told once: all else is smooth in the camera.
 
     Attributes
     ----------
+    lines
+        Per view; none where its stripe is not used.
     view
-        Shape (N,), index of the view.
-    in_cam_mm
-        Shape (N, 3), camera frame.
+        Shape (N,), index of the view of each crossing, in order.
     """
 
+    lines: tuple[tuple[DotLine, ...], ...]
     view: IntArray
-    in_cam_mm: FloatArray
 
 
 def solve_preplanar(prepared: Prepared) -> Answer:
@@ -63,17 +60,19 @@ def solve_preplanar(prepared: Prepared) -> Answer:
         If the stripes cross fewer than two views' columns.
     """
     camera = prepared.camera
-    crossings = _all_crossings(prepared, camera)
-    kept = _consensus(crossings.in_cam_mm)
-    plane = LightPlane.from_coefficients(fit_plane(crossings.in_cam_mm[kept]))
-    poses = _poses(prepared, camera)
+    selection = _select(prepared)
+    points = _points_in_cam(prepared, camera, selection)
+    kept = _consensus(points)
+    plane = LightPlane.from_coefficients(fit_plane(points[kept]))
+    poses = [_pose(view, prepared.target, camera) for view in prepared.views]
     estimate = Estimate.start(camera, plane, poses)
-    dots, stripe, stripe_in = _residuals(prepared, estimate, crossings.view[kept])
+    dots, stripe, stripe_in = _residuals(prepared, estimate, selection.view[kept])
+    own = _jackknife(points[kept], selection.view[kept], plane)
     return Answer(
         camera=camera,
         plane=plane,
         poses=tuple(poses),
-        covariance=_covariance(prepared, crossings, kept, plane),
+        covariance=_covariance(prepared, own, _plane_by_camera(prepared, selection, kept, plane)),
         dots=dots,
         stripe=stripe,
         stripe_in=stripe_in,
@@ -81,85 +80,51 @@ def solve_preplanar(prepared: Prepared) -> Answer:
     )
 
 
-def crossings_on_board(view: View, target: Target, camera: CameraModel) -> FloatArray:
-    """Return where the stripe crosses the columns of dots, or the rows where it runs along columns.
-
-    Parameters
-    ----------
-    view
-        A view with a stripe.
-    target, camera
-        The target in it; the camera, for the undistorted picture.
-
-    Returns
-    -------
-    crossings_mm
-        Shape (N, 2), on the target; a column with fewer than three dots gives none.
-    """
-    if view.stripe is None or not has_stripe(view):
-        return np.empty((0, 2))
-    stripe, _ = fit_line_robustly(camera.rays(view.stripe.centre_px)[:, :2])
-    seen = camera.rays(view.points.centre_px)[:, :2]
-    row, col = view.points.row, view.points.col
-    by_column = _crossings_of(seen, col, row, stripe, target.rows) * target.pitch_mm
-    if len(by_column) == target.cols:
-        return by_column
-    by_row = _crossings_of(seen, row, col, stripe, target.cols) * target.pitch_mm
-    return by_column if len(by_column) >= len(by_row) else by_row[:, ::-1]
-
-
-def _crossings_of(
-    seen: FloatArray, line_of: IntArray, place_on: IntArray, stripe: FloatArray, count: int
-) -> FloatArray:
-    """Return (line, place) of the crossings in pitches, shape (N, 2)."""
-    found = []
-    for line in np.unique(line_of):
-        own = np.flatnonzero(line_of == line)
-        if len(own) < 3:
-            continue
-        place = _crossing(seen[own], place_on[own], stripe)
-        if -_BEYOND <= place <= count - 1 + _BEYOND:
-            found.append((float(line), place))
-    return np.array(found).reshape(-1, 2)
-
-
-def _crossing(seen: FloatArray, place: IntArray, stripe: FloatArray) -> float:
-    """Return the place of a crossing along one column, by its two outer dots and the middle one."""
-    column = fit_line(seen)
-    point = np.cross(column, stripe)
-    if not abs(point[2]) > 1e-12:
-        return np.inf
-    along = np.array([-column[1], column[0]])
-    order = np.argsort(place)[[0, len(place) // 2, -1]]
-    crossing = place_by_cross_ratio(
-        place[order].astype(np.float64), seen[order] @ along, point[:2] / point[2] @ along
-    )
-    return float(crossing)
-
-
-def _poses(prepared: Prepared, camera: CameraModel) -> list[RigidTransform]:
-    poses = []
-    for points in (view.points for view in prepared.views):
-        board = points.points_mm(prepared.target.pitch_mm)[:, :2]
-        rays = camera.rays(points.centre_px)[:, :2]
-        poses.append(pose_from_homography(fit_homography(board, rays)))
-    return poses
-
-
-def _all_crossings(prepared: Prepared, camera: CameraModel) -> _Crossings:
-    parts = [crossings_on_board(view, prepared.target, camera) for view in prepared.views]
-    if sum(len(part) > 0 for part in parts) < 2:
+def _select(prepared: Prepared) -> _Selection:
+    lines: list[tuple[DotLine, ...]] = []
+    for index, view in enumerate(prepared.views):
+        stripe = _stripe_line(prepared, prepared.camera, index)
+        rays = prepared.camera.rays(view.points.centre_px)[:, :2]
+        lines.append(
+            ()
+            if stripe is None
+            else tuple(crossed_lines(view.points, prepared.target, rays, stripe))
+        )
+    if sum(len(own) > 0 for own in lines) < 2:
         raise TooFewViews(
-            "the stripe crosses three or more dots' columns in fewer than two pictures; lay it "
+            "the stripe crosses columns of three dots or more in fewer than two pictures; lay it "
             "across the target"
         )
-    return _Crossings(
-        view=np.repeat(np.arange(len(parts)), [len(part) for part in parts]),
-        in_cam_mm=np.concatenate([
-            pose.apply(np.column_stack([part, np.zeros(len(part))]))
-            for pose, part in zip(_poses(prepared, camera), parts, strict=True)
-        ]),
-    )
+    view_of = np.repeat(np.arange(len(lines)), [len(own) for own in lines])
+    return _Selection(tuple(lines), view_of)
+
+
+def _stripe_line(prepared: Prepared, camera: CameraModel, index: int) -> FloatArray | None:
+    """Return a view's stripe as a line in normalised coordinates, by the points that agree."""
+    stripe = prepared.views[index].stripe
+    on_line = prepared.on_line[prepared.observations.stripe.view == index]
+    if stripe is None or not on_line.any():
+        return None
+    return fit_line(camera.rays(stripe.centre_px[on_line])[:, :2])
+
+
+def _pose(view: View, target: Target, camera: CameraModel) -> RigidTransform:
+    board = view.points.points_mm(target.pitch_mm)[:, :2]
+    return pose_from_homography(fit_homography(board, camera.rays(view.points.centre_px)[:, :2]))
+
+
+def _points_in_cam(prepared: Prepared, camera: CameraModel, selection: _Selection) -> FloatArray:
+    """Return the crossings in the camera frame, mm, shape (N, 3)."""
+    parts = [np.empty((0, 3))]
+    for index, (view, lines) in enumerate(zip(prepared.views, selection.lines, strict=True)):
+        stripe = _stripe_line(prepared, camera, index)
+        if stripe is None:
+            continue
+        rays = camera.rays(view.points.centre_px)[:, :2]
+        on_board = crossings_mm(lines, prepared.target, rays, stripe)
+        pose = _pose(view, prepared.target, camera)
+        parts.append(pose.apply(np.column_stack([on_board, np.zeros(len(on_board))])))
+    return np.concatenate(parts)
 
 
 def _consensus(points_mm: FloatArray) -> BoolArray:
@@ -192,57 +157,40 @@ def _residuals(
         PointsAnswer(
             table.seen_px,
             np.abs(stripe.residual[:, 0] * table.sigma_px),
-            stripe_in[table.view] & _on_lines(prepared),
+            stripe_in[table.view] & prepared.on_line,
         ),
         stripe_in,
     )
 
 
-def _on_lines(prepared: Prepared) -> BoolArray:
-    """Tell the stripe points that agree with the line of their view, shape (N,)."""
-    masks = [np.empty(0, dtype=bool)]
-    for view in prepared.views:
-        if view.stripe is None:
-            continue
-        rays = prepared.camera.rays(view.stripe.centre_px)[:, :2]
-        enough = has_stripe(view)
-        masks.append(fit_line_robustly(rays)[1] if enough else np.zeros(len(rays), dtype=bool))
-    return np.concatenate(masks)
-
-
-def _covariance(
-    prepared: Prepared, crossings: _Crossings, kept: BoolArray, plane: LightPlane
-) -> FloatArray:
+def _covariance(prepared: Prepared, own: FloatArray, by_camera: FloatArray) -> FloatArray:
+    """Return the sensor's covariance from the plane's own, (4, 4), and its slope by the camera."""
     count = len(PARAMETERS)
-    by_camera = _plane_by_camera(prepared, plane)
-    covariance = np.zeros((len(SENSOR_PARAMETERS), len(SENSOR_PARAMETERS)))
     camera = prepared.camera.covariance
+    covariance = np.zeros((len(SENSOR_PARAMETERS), len(SENSOR_PARAMETERS)))
     covariance[:count, :count] = camera
     covariance[count:, :count] = by_camera @ camera
     covariance[:count, count:] = covariance[count:, :count].T
-    own = _jackknife(crossings, kept, plane)
     covariance[count:, count:] = own + by_camera @ camera @ by_camera.T
     return covariance
 
 
-def _jackknife(crossings: _Crossings, kept: BoolArray, plane: LightPlane) -> FloatArray:
+def _jackknife(points_mm: FloatArray, view: IntArray, plane: LightPlane) -> FloatArray:
     """Return the covariance of (a, b, c, d), shape (4, 4), from leaving out one view at a time."""
-    views = np.unique(crossings.view[kept])
-    answers = np.array([
-        _near(fit_plane(crossings.in_cam_mm[kept & (crossings.view != view)]), plane)
-        for view in views
-    ])
+    views = np.unique(view)
+    answers = np.array([_near(fit_plane(points_mm[view != one]), plane) for one in views])
     centred = answers - answers.mean(axis=0)
     return np.asarray(centred.T @ centred * (len(views) - 1) / len(views))
 
 
-def _plane_by_camera(prepared: Prepared, plane: LightPlane) -> FloatArray:
+def _plane_by_camera(
+    prepared: Prepared, selection: _Selection, kept: BoolArray, plane: LightPlane
+) -> FloatArray:
     """Return d(a, b, c, d)/d(camera), shape (4, 9), by central differences; 0 where it is held."""
     sigma = np.sqrt(np.diag(prepared.camera.covariance))
     jacobian = np.zeros((4, len(sigma)))
     for index in np.flatnonzero(sigma > 0.0):
-        # A small step, so that no point changes sides.
-        step = 1e-3 * sigma[index]
+        step = 0.1 * sigma[index]
         ends = []
         for sign in (1.0, -1.0):
             parameters = prepared.camera.parameters
@@ -250,8 +198,8 @@ def _plane_by_camera(prepared: Prepared, plane: LightPlane) -> FloatArray:
             camera = CameraModel.from_parameters(
                 parameters, width=prepared.camera.width, height=prepared.camera.height
             )
-            moved = _all_crossings(prepared, camera).in_cam_mm
-            ends.append(_near(fit_plane(moved[_consensus(moved)]), plane))
+            points = _points_in_cam(prepared, camera, selection)
+            ends.append(_near(fit_plane(points[kept]), plane))
         jacobian[:, index] = (ends[0] - ends[1]) / (2.0 * step)
     return jacobian
 

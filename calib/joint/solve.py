@@ -13,7 +13,7 @@ from calib.joint.residuals import Linear, linearise_dots, linearise_stripe
 from calib.lens import normalised_of
 from calib.observations import Observations
 
-# Where few exact points sway many, belief and answer settle slowly: 108 steps were seen, each cheap.
+# Where a few exact points sway many, belief and answer settle slowly: 108 steps were seen.
 _ITERATIONS = 500
 # A step shorter than this many standard deviations (of all parameters together) is an arrival.
 _ARRIVED = 1e-3

@@ -7,7 +7,6 @@ from typing import Any
 
 import typer
 
-from calib import CalibError
 from station.errors import NothingMeasurable, StationError
 
 EXIT_NO = 1
@@ -77,7 +76,7 @@ def run(app: Callable[..., Any], arguments: list[str]) -> int:
         code = app(args=arguments, prog_name="station", standalone_mode=False)
     except NothingMeasurable as error:
         return _say(str(error), EXIT_NO)
-    except (StationError, CalibError) as error:
+    except StationError as error:
         return _say(str(error), EXIT_UNUSABLE)
     except typer.TyperException as error:
         command = " ".join(["station", *arguments[:1]]).strip()
@@ -86,7 +85,19 @@ def run(app: Callable[..., Any], arguments: list[str]) -> int:
         return _say("interrupted", EXIT_INTERRUPTED)
     except BrokenPipeError:
         return 0
+    except Exception as error:
+        if not _is_refusal_of_the_mathematics(error):
+            raise
+        return _say(str(error), EXIT_UNUSABLE)
     return code if isinstance(code, int) else 0
+
+
+def _is_refusal_of_the_mathematics(error: Exception) -> bool:
+    # Imported here: every process of the station passes through this module, few calculate.
+    from calib import CalibError  # noqa: PLC0415
+    from measure import MeasureError  # noqa: PLC0415
+
+    return isinstance(error, CalibError | MeasureError)
 
 
 def _message(error: typer.TyperException) -> str:

@@ -1,5 +1,7 @@
 """The head of the report: passed or failed, by which gates; what it is of and what went in."""
 
+import math
+
 from calib import Method
 from station.documents import CalibrationDocument, Gate
 from station.report.markup import Markup, element, join, number, section, table
@@ -53,8 +55,8 @@ def _plain(value: float) -> str:
 
 
 def _is_lower_limit(name: str, gate: Gate) -> bool:
-    """Tell which side of its limit a gate passes on; its own figure tells, save at the limit."""
-    if gate.value == gate.limit:
+    """Tell which side of its limit a gate passes on: its own figure does, save at the limit."""
+    if math.isnan(gate.value) or gate.value == gate.limit:
         return name == "views_used"
     return gate.passed == (gate.value > gate.limit)
 

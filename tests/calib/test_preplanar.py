@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from synthetic_views import (
     PAPER_CAMERA,
     PAPER_SENSOR,
@@ -14,8 +13,19 @@ from synthetic_views import (
     setting,
 )
 
-from calib import CameraModel, Method, RigidTransform, Termination, calibrate
-from calib.preplanar import crossings_on_board
+from calib import (
+    CameraModel,
+    CameraRole,
+    LightPlane,
+    Method,
+    RigidTransform,
+    Termination,
+    calibrate,
+)
+from calib.crossings import crossed_lines, crossings_mm
+from calib.lines import fit_line, fit_plane
+from calib.preplanar import _consensus, _points_in_cam, _select
+from calib.solving import Prepared
 
 PREPLANAR = {**SIZE, "camera": PAPER_CAMERA, "method": Method.PREPLANAR}
 TRUTH = PAPER_SENSOR.plane.coefficients
@@ -27,13 +37,20 @@ def test_exact_points_give_the_exact_plane(rng):
     assert found.solve.termination is Termination.CLOSED_FORM
 
 
+def crossings(view):
+    rays = PAPER_CAMERA.rays(view.points.centre_px)[:, :2]
+    stripe = fit_line(PAPER_CAMERA.rays(view.stripe.centre_px)[:, :2])
+    lines = crossed_lines(view.points, PAPER_TARGET, rays, stripe)
+    return crossings_mm(lines, PAPER_TARGET, rays, stripe)
+
+
 def test_crossings_lie_on_the_columns_and_on_the_sheet(rng):
     place = setting(rng, 3)
     for index, pose in enumerate(place.poses):
-        crossings = crossings_on_board(place.clean_view(index, 10), PAPER_TARGET, PAPER_CAMERA)
-        assert len(crossings) >= 3
-        np.testing.assert_allclose(crossings[:, 0] % 10.0, 0.0, atol=1e-9)
-        in_cam = pose.apply(np.column_stack([crossings, np.zeros(len(crossings))]))
+        found = crossings(place.clean_view(index, 10))
+        assert len(found) >= 3
+        np.testing.assert_allclose(found[:, 0], 10.0 * np.round(found[:, 0] / 10.0), atol=1e-9)
+        in_cam = pose.apply(np.column_stack([found, np.zeros(len(found))]))
         np.testing.assert_allclose(PAPER_SENSOR.plane.distance_mm(in_cam), 0.0, atol=1e-6)
 
 
@@ -42,8 +59,8 @@ def test_a_stripe_along_the_columns_is_crossed_with_the_rows(rng):
     turned = tuple(pose @ quarter for pose in setting(rng, 3).poses)
     place = Setting(PAPER_SENSOR, PAPER_TARGET, turned)
     for index in range(3):
-        crossings = crossings_on_board(place.clean_view(index, 10), PAPER_TARGET, PAPER_CAMERA)
-        np.testing.assert_allclose(crossings[:, 1] % 10.0, 0.0, atol=1e-9)
+        found = crossings(place.clean_view(index, 10))
+        np.testing.assert_allclose(found[:, 1], 10.0 * np.round(found[:, 1] / 10.0), atol=1e-9)
 
 
 def test_one_false_stripe_is_left_out_by_the_random_samples(rng):
@@ -81,17 +98,26 @@ def test_jackknife_covariance_is_of_the_size_of_the_scatter(rng):
 def test_doubt_of_the_camera_is_carried_to_the_plane(rng):
     views = setting(rng, 8).views(rng, dots_px=0.05, stripe_px=0.05)
     step = np.array([20.0, 20.0, 0, 0, 0, 0, 0, 0, 0])
-    longer = CameraModel.from_parameters(PAPER_CAMERA.parameters + step, **SIZE)
     doubtful = CameraModel.from_parameters(
         PAPER_CAMERA.parameters, **SIZE, covariance=np.outer(step, step)
     )
-    exact, moved, found = (
+    longer = CameraModel.from_parameters(PAPER_CAMERA.parameters + step, **SIZE)
+    exact, found = (
         calibrate(views, PAPER_TARGET, **{**PREPLANAR, "camera": camera}).sensor
-        for camera in (PAPER_CAMERA, longer, doubtful)
+        for camera in (PAPER_CAMERA, doubtful)
     )
-    shift = moved.plane.coefficients - exact.plane.coefficients
+    # The same points before and after: which of them agree is not the camera's doubt.
+    prepared = Prepared.of(views, PAPER_TARGET, PAPER_CAMERA, CameraRole.HELD)
+    selection = _select(prepared)
+    kept = _consensus(_points_in_cam(prepared, PAPER_CAMERA, selection))
+    planes = [
+        LightPlane.from_coefficients(
+            fit_plane(_points_in_cam(prepared, camera, selection)[kept])
+        ).coefficients
+        for camera in (PAPER_CAMERA, longer)
+    ]
+    shift = planes[1] - planes[0]
     added = np.diag(found.covariance - exact.covariance)[9:]
-    # One standard deviation of the camera moves the plane by one of what it adds to the plane's;
-    # the step is 1 % of the focal length, and so is the second order.
-    np.testing.assert_allclose(np.sqrt(added), np.abs(shift), rtol=0.05, atol=1e-5)
-    np.testing.assert_allclose(found.covariance[0, 9:], 20.0 * shift, rtol=0.05, atol=1e-3)
+    # A step of 1 % of the focal length has a second order of about as much.
+    np.testing.assert_allclose(np.sqrt(added), np.abs(shift), rtol=0.03)
+    np.testing.assert_allclose(found.covariance[0, 9:], 20.0 * shift, rtol=0.03)

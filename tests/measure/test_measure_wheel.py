@@ -12,7 +12,7 @@ import wheel_stripes as ws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from calib import RigidTransform
+from calib import LaserSensor, LightPlane, RigidTransform
 from measure import Mounting, Quantity, Status, WheelFrame, measure_wheel, reference_profile
 
 SENSOR, RIG = ws.trackside()
@@ -113,6 +113,8 @@ def test_without_a_survey_the_reference_is_assumed_and_says_so(rng):
         assert reading.status is Status.REFERENCE_ASSUMED
         assert abs(reading.value - truth[quantity]) <= reading.u95
     assert answer.quality.axle_offset_mm is None
+    # The flange's shape gives the direction to 3 mrad, 55 mm of tip and tread apart.
+    assert answer.readings[Quantity.FLANGE_HEIGHT].u95 > 1.96 * 3e-3 * 50.0
 
 
 def test_an_unseen_flange_back_takes_the_thickness(rng):
@@ -213,6 +215,19 @@ def test_stray_points_change_nothing_that_matters(stray, rng):
         before, after = clean.readings[quantity], answer.readings[quantity]
         # One sigma of the noise on these readings is 0.01 mm.
         assert after.value == pytest.approx(before.value, abs=0.03)
+
+
+@pytest.mark.parametrize("offset_mm", [-25.0, 25.0])
+def test_of_a_sheet_and_its_reflection_the_true_one_is_read(offset_mm, rng):
+    a, b, c, d = SENSOR.plane.coefficients
+    # A mirror sends part of the light along another sheet: its cut has another shape.
+    other = LightPlane.from_coefficients([a, b, c + 0.06, d + offset_mm])
+    false = ws.stripe_on(ws.Wheel(), LaserSensor.exact(SENSOR.camera, other), RIG, rng)
+    true = ws.stripe_on(ws.Wheel(), SENSOR, RIG, rng)
+    both, clean = measured(joined(false, true)), measured(true)
+    for quantity in QUANTITIES:
+        value = clean.readings[quantity].value
+        assert both.readings[quantity].value == pytest.approx(value, abs=0.03)
 
 
 def test_the_order_of_points_does_not_matter(rng):

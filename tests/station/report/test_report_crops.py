@@ -15,11 +15,11 @@ from station.report.evidence import evidence_of
 
 def test_part_holds_all_points_and_stays_within_the_picture(kept):
     (picture,) = evidence_of(by_hand(kept, [0.1])[1])
-    box = Box.around(picture, 1700, 900)
+    box = Box.around(picture, 1800, 900)
     low, high = picture.seen_px.min(axis=0), picture.seen_px.max(axis=0)
     assert (low >= [box.left, box.top]).all()
-    assert (high <= [box.left + box.width - 1, 1e9]).all()
-    assert box.left + box.width <= 1700
+    assert (high <= [box.left + box.width - 1, box.top + box.height - 1]).all()
+    assert box.left + box.width <= 1800
     assert box.top + box.height <= 900
 
 
