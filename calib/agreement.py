@@ -6,6 +6,7 @@ import numpy as np
 from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.homography import apply_homography
 
+_FEWEST_POINTS = 6
 _FARTHEST_OFF_PX = 8.0
 _NEAREST_OFF_PX = 0.05
 _FAR_OFF_PX = 0.3
@@ -14,7 +15,7 @@ _FAR_OFF_SIGMAS = 5.0
 
 def agreeing(
     place: IntArray, centre_px: FloatArray, sigma_px: FloatArray
-) -> tuple[FloatArray, BoolArray]:
+) -> tuple[FloatArray, BoolArray] | None:
     """Fit the map from (row, col) to the picture, and tell which points agree with it.
 
     Parameters
@@ -26,6 +27,8 @@ def agreeing(
 
     Returns
     -------
+    None
+        Where fewer than six points, or points on one line, agree on anything.
     homography
         Shape (3, 3).
     agree
@@ -33,11 +36,13 @@ def agreeing(
         third degree follows. What is off by more than that, by its own sigma and by what is
         usual in the picture, is no point of the target, or one that light has displaced.
     """
+    if len(place) < _FEWEST_POINTS:
+        return None
     found, near = cv2.findHomography(
         place.astype(np.float64), centre_px, cv2.RANSAC, _FARTHEST_OFF_PX
     )
-    if found is None:
-        raise AssertionError("points that were numbered by a homography have one")
+    if found is None or near.sum() < _FEWEST_POINTS:
+        return None
     homography = np.asarray(found, dtype=np.float64)
     agree: BoolArray = np.asarray(near.ravel() > 0)
     off = centre_px - apply_homography(homography, place.astype(np.float64))

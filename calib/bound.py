@@ -42,7 +42,7 @@ def cramer_rao_bound(
 
     Raises
     ------
-    numpy.linalg.LinAlgError
+    NotConverged
         If the views leave a parameter undetermined.
 
     Notes

@@ -12,8 +12,9 @@ from calib.homography import pose_from_homography
 from calib.joint.method import camera_of, dots_answer, report_of, scale_warnings
 from calib.joint.normal_equations import NormalEquations
 from calib.joint.parameters import Estimate, Layout
+from calib.joint.problem import Problem, Solution
 from calib.joint.residuals import linearise_dots
-from calib.joint.solve import Problem, Solution, solve
+from calib.joint.solve import solve
 from calib.observations import Observations
 from calib.rigid import RigidTransform
 from calib.solving import PointsAnswer

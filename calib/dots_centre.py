@@ -21,7 +21,7 @@ from calib.stripe_lines import StripeLine, lit_by
 
 _EDGE_REACH_PX = 4.5
 _START_BLUR_PX = 1.5
-_LARGEST_SIGMA = 0.06  # of the radius
+_LARGEST_SIGMA = 0.15  # of the radius: beyond, it is not sure that this is a dot
 _STRIPE_FOOT = 0.04  # of a dot's height: what of a stripe does not disturb its edge
 
 

@@ -52,7 +52,7 @@ def fit_line(points: FloatArray) -> FloatArray:
 
 
 def fit_plane(points_mm: FloatArray) -> FloatArray:
-    """Fit a plane to points, shape (N, 3), by total least squares.
+    """Fit a plane to points, shape (N, 3) with N >= 3, by total least squares.
 
     Returns
     -------
@@ -60,5 +60,5 @@ def fit_plane(points_mm: FloatArray) -> FloatArray:
         (a, b, c, d) with a unit normal, shape (4,).
     """
     centre = points_mm.mean(axis=0)
-    _, _, axes = np.linalg.svd(points_mm - centre, full_matrices=True)
+    _, _, axes = np.linalg.svd(points_mm - centre, full_matrices=False)
     return np.append(axes[2], -axes[2] @ centre)

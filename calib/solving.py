@@ -10,7 +10,8 @@ from calib.calibration import CameraRole, SolveReport
 from calib.camera import CameraModel
 from calib.joint.discs import cross_matrices
 from calib.joint.parameters import Estimate, Layout
-from calib.joint.solve import Problem, Solution, solve
+from calib.joint.problem import Problem, Solution
+from calib.joint.solve import solve
 from calib.observations import Observations
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform

@@ -16,6 +16,7 @@ KERNELS_PX = (1.5, 2.1, 3.0, 4.2, 6.0)
 
 _SCALES_IF_CLIPPED = (0.75, 1.33)
 _WIDEST_KERNEL_PX = 4.5
+_CLIPPED_SIGMA_PX = 0.006  # measured: what the sampling of a clipped edge leaves
 _MOST_STEPS = 3
 _CLOSE_STEP_PX = 0.2
 _PROFILE_REACH = 18
@@ -176,7 +177,7 @@ def _settled(
             picture, centre[clipped], across[clipped], slope[clipped], kernel
         )
         plain = _sigma_by_curvature(one, noise, kernel, curvature)[one.saturated]
-        sigma[clipped] = np.maximum(spread, plain)
+        sigma[clipped] = np.maximum(np.maximum(spread, plain), _CLIPPED_SIGMA_PX)
     keep = _one_a_pixel(centre, np.isfinite(sigma))
     kept = profiles.picked(keep)
     return StripePoints(

@@ -18,9 +18,10 @@ _NEAR_PITCHES = 1.1
 
 _FAR_PITCHES = 4.0
 _SHORTEST_PITCHES = 1.5
-_MARK_MARGIN = 4.0  # widths of a stripe from a mark: nearer, its light pulls by over 0.02 px
+_CLEAR_OF_MARKS = 4.0  # widths of a stripe from a mark: nearer, its light pulls by over 0.02 px
+_OFF_MARKS = 2.0  # nearer there is no ridge of the stripe's own
 _INDEPENDENT = 3.5  # kernels between two points whose errors are independent
-_FEWEST_POINTS = 8
+_FEWEST_POINTS = 6
 _FEWEST_TO_JUDGE = 12
 _SCATTER_NOTED = 1.15
 _FARTHEST_OFF = 4.0  # sigmas from the line
@@ -68,9 +69,12 @@ class BoardArea:
         cv2.fillConvexPoly(mask, np.rint(np.clip(corners, -20000, 20000)).astype(np.int32), 1)
         return mask.astype(bool)
 
-    def marked(self, points_px: FloatArray, width_px: FloatArray) -> BoolArray:
-        """Return which points a dot's outline, or a square's edge, is too near to."""
-        reach = _MARK_MARGIN * width_px + 1.0
+    def marked(self, points_px: FloatArray, width_px: FloatArray, margin: float) -> BoolArray:
+        """Return which points a dot's outline, or a square's edge, is too near to.
+
+        `margin` is in widths of the stripe.
+        """
+        reach = margin * width_px + 1.0
         if self.dots is not None:
             return _near_dots(self.dots, points_px, reach)
         node_from_picture = np.asarray(np.linalg.inv(self.picture_from_node), dtype=np.float64)
@@ -119,7 +123,7 @@ def _stripes_within(
 ) -> BoardStripes:
     region = area.region(picture.shape, margin_pitches)
     points = locate_stripe(picture, region=region, noise=noise)
-    usable = ~area.marked(points.centre_px, points.width_px)
+    usable = ~area.marked(points.centre_px, points.width_px, _OFF_MARKS)
     lines = find_lines(points, usable, _SHORTEST_PITCHES * area.pitch_px)
     return BoardStripes(points, lines, off_board=margin_pitches > _NEAR_PITCHES)
 
@@ -138,19 +142,21 @@ def stripe_of_board(found: BoardStripes, area: BoardArea) -> StripePoints | None
     -------
     StripePoints or None
         None where no line, or too few points of one, are left. Sigma is raised where the points
-        scatter by more than it says: by speckle or the surface's grain.
+        scatter by more than it says: by speckle or the surface's grain. A stripe that nowhere is
+        clear of the target's marks is `Cause.CROSSED`.
     """
     if not found.lines:
         return None
     line = found.lines[0]
-    points = found.points.select(line.member)
-    points = points.select(~area.marked(points.centre_px, points.width_px))
-    if len(points) < _FEWEST_POINTS:
-        return None
-    points = points.select(_independent(points, line))
-    if len(points) < _FEWEST_POINTS:
-        return None
-    return _with_true_sigma(points, line, off_board=found.off_board)
+    for margin in (_CLEAR_OF_MARKS, _OFF_MARKS):
+        points = found.points.select(line.member)
+        points = points.select(~area.marked(points.centre_px, points.width_px, margin))
+        points = points.select(_independent(points, line))
+        if len(points) >= _FEWEST_POINTS:
+            doubt = Cause.OFF_BOARD if found.off_board else None
+            doubt = Cause.CROSSED if margin == _OFF_MARKS else doubt
+            return _with_true_sigma(points, line, doubt)
+    return None
 
 
 def _near_dots(dots: Ellipses, points_px: FloatArray, reach: FloatArray) -> BoolArray:
@@ -162,6 +168,8 @@ def _near_dots(dots: Ellipses, points_px: FloatArray, reach: FloatArray) -> Bool
 def _independent(points: StripePoints, line: StripeLine) -> IntArray:
     """Return one point of every stretch as long as the kernel makes neighbours' errors alike."""
     along = (points.centre_px - line.origin_px) @ line.direction
+    if len(points) == 0:
+        return np.zeros(0, dtype=np.int64)
     stretch = _INDEPENDENT * float(np.median(kernel_of(points.width_px)))
     number = np.floor(along / stretch)
     off_middle = np.abs(along / stretch - number - 0.5)
@@ -170,7 +178,7 @@ def _independent(points: StripePoints, line: StripeLine) -> IntArray:
     return np.asarray(order[first], dtype=np.int64)
 
 
-def _with_true_sigma(points: StripePoints, line: StripeLine, *, off_board: bool) -> StripePoints:
+def _with_true_sigma(points: StripePoints, line: StripeLine, doubt: Cause | None) -> StripePoints:
     scale = 1.0
     off = line.across_px(points.centre_px) / points.sigma_px
     if len(points) >= _FEWEST_TO_JUDGE:
@@ -184,5 +192,5 @@ def _with_true_sigma(points: StripePoints, line: StripeLine, *, off_board: bool)
         width_px=points.width_px,
         peak=points.peak,
         saturated=points.saturated,
-        cause=(Cause.OFF_BOARD,) * len(points) if off_board else points.cause,
+        cause=points.cause if doubt is None else (doubt,) * len(points),
     )

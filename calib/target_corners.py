@@ -64,7 +64,10 @@ class CornerPattern:
             return None
         place = numbering.rows_and_cols(node)
         keep = keep & inside_target(place, target.rows, target.cols)
-        homography, agree = agreeing(place[keep], corners.centre_px[keep], corners.sigma_px[keep])
+        agreed = agreeing(place[keep], corners.centre_px[keep], corners.sigma_px[keep])
+        if agreed is None:
+            return None
+        homography, agree = agreed
         index = np.flatnonzero(keep)[agree]
         return SeenTarget(
             place[index],

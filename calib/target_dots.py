@@ -18,6 +18,7 @@ from calib.stripe_on_board import BoardArea
 from calib.target import Target
 from calib.views import Cause
 
+_LARGEST_SIGMA = 0.06  # of the radius
 _CROSSED_FROM = 0.02
 _CLIPPED_FROM = 0.03
 _FAINTEST = 0.25  # of the median height
@@ -83,7 +84,12 @@ class DotPattern:
             return None
         place = numbering.rows_and_cols(node)
         keep &= inside_target(place, target.rows, target.cols)
-        homography, agree = agreeing(place[keep], dots.centre_px[keep], dots.sigma_px[keep])
+        # Good enough to count by, a dot may still be too poor to measure with.
+        keep &= dots.sigma_px.max(axis=1) < _LARGEST_SIGMA * dots.outlines.radius_px
+        agreed = agreeing(place[keep], dots.centre_px[keep], dots.sigma_px[keep])
+        if agreed is None:
+            return None
+        homography, agree = agreed
         index = np.flatnonzero(keep)[agree]
         return SeenTarget(
             place[index],

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import BoolArray, Cause, FloatArray, IntArray, StripePoints
+from measure.layers import one_layer
 from measure.noise import Noise, noise_of, rest_of, robust_sigma
 from measure.pieces import MIN_PIECE, pieces, sizes
 from measure.template import Template
@@ -14,8 +15,6 @@ from measure.template import Template
 # of one railway are thicker by 4 mm than those of another, and metal that rolls over makes a lip.
 _OUTSIDE_MM = (-14.0, 6.0)
 _BEYOND_END_MM = 1.0
-_LAYER_BIN_MM = 1.0
-_LAYER_GAP_MM = 0.8
 _SMOOTHING_POINTS = 21
 _REJECT_SIGMAS = 4.0
 
@@ -66,9 +65,9 @@ def keep_wheel(
     along, outside, nearest = template.place(points_mm)
     in_band = np.flatnonzero(_can_be_wheel(along, outside, nearest, template))
     piece = pieces(stripe.centre_px[in_band], stripe.normal[in_band])
-    large = sizes(piece) >= MIN_PIECE
-    hanging, piece = in_band[large], piece[large]
-    first = hanging[_first_layer(along[hanging], outside[hanging], piece)]
+    hanging = in_band[sizes(piece) >= MIN_PIECE]
+    unworn = template.is_unworn(along[hanging])
+    first = hanging[one_layer(along[hanging], outside[hanging], unworn)]
     ordered = first[np.argsort(along[first], kind="stable")]
 
     kept = ordered[_inliers(along[ordered], outside[ordered], sigma_mm[ordered])]
@@ -100,23 +99,6 @@ def _can_be_wheel(
     # The back face does not wear: what lies behind it is something else.
     floor = np.where(nearest < template.back_count, -high, low)
     return np.asarray((outside_mm > floor) & (outside_mm < high) & on_profile)
-
-
-def _first_layer(along_mm: FloatArray, outside_mm: FloatArray, piece: IntArray) -> BoolArray:
-    """Where two pieces lie over one another, keep the larger: the other is its reflection."""
-    keep = np.ones(len(piece), dtype=bool)
-    if not piece.any():  # One piece has no other to lie over.
-        return keep
-    bins = np.floor(along_mm / _LAYER_BIN_MM).astype(np.int64)
-    taken: dict[int, float] = {}
-    for number in np.argsort(-np.bincount(piece)):
-        members = np.flatnonzero(piece == number)
-        for place in np.unique(bins[members]):
-            here = members[bins[members] == place]
-            height = float(np.median(outside_mm[here]))
-            if abs(height - taken.setdefault(int(place), height)) > _LAYER_GAP_MM:
-                keep[here] = False
-    return keep
 
 
 def _inliers(along_mm: FloatArray, outside_mm: FloatArray, sigma_mm: FloatArray) -> BoolArray:

@@ -11,7 +11,7 @@ from measure.cleaning import Kept, keep_wheel
 from measure.flange import Voters, find_flanges
 from measure.mounting import Mounting
 from measure.noise import Noise
-from measure.registration import refine_shift, unworn_misfit_mm
+from measure.registration import best_shift, refine_shift
 from measure.section import AxleMap, Section, SheetPoints, radial_place_mm
 from measure.template import Template
 
@@ -126,9 +126,7 @@ def place_of_flange(section: Section, template: Template) -> FloatArray | Unmeas
         return Unmeasured(
             f"two wheels: flanges {apart:.0f} mm apart in one picture; one is allowed"
         )
-    shifts = [refine_shift(section.points_mm, flange.shift_mm, template) for flange in flanges]
-    misfits = [unworn_misfit_mm(section.points_mm, shift, template) for shift in shifts]
-    return shifts[int(np.argmin(misfits))]
+    return best_shift(section.points_mm, [flange.shift_mm for flange in flanges], template)
 
 
 def keep(

@@ -1,5 +1,6 @@
 """Laying a section over the reference by what does not wear: flange back and tip."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,10 +9,13 @@ from calib import FloatArray
 from measure.template import Template
 
 _ROUNDS = 6
-_NEAR_MM = 3.0
+NEAR_MM = 3.0
+"""Points farther from the reference are another thing than the unworn side of its flange."""
+_CLOSE_MM = 1.2
+_ON_MM = 0.1
+_CLEAR_SHARE = 0.8
+_BESIDE_MM = ((0.0, 0.0), (0.0, -2.5), (0.0, 2.5), (-2.0, 0.0), (2.0, 0.0))
 _HUBER_MM = 0.1
-# Behind the tip and down the back; the face in front of it wears.
-_PAST_TIP_MM = 2.0
 # Holds the place where too little is seen to move it, and yields to any real evidence.
 _PRIOR_MM = 3.0
 _BACK_NEAR_MM = 5.0
@@ -19,7 +23,13 @@ _MIN_BACK_POINTS = 10
 _MIN_BACK_SPAN_MM = 2.0
 
 
-def refine_shift(points_mm: FloatArray, shift_mm: FloatArray, template: Template) -> FloatArray:
+def refine_shift(
+    points_mm: FloatArray,
+    shift_mm: FloatArray,
+    template: Template,
+    *,
+    near_mm: float = NEAR_MM,
+) -> FloatArray:
     """Improve the shift from (a, r) to the reference's (y, z) on the unworn side of the flange.
 
     Parameters
@@ -28,6 +38,10 @@ def refine_shift(points_mm: FloatArray, shift_mm: FloatArray, template: Template
         Shape (N, 2), (a, r).
     shift_mm
         Shape (2,), within 2 mm or so: (y, z) = (a, r) - shift.
+    template
+        The reference.
+    near_mm
+        Points farther from the reference have no part in it.
 
     Returns
     -------
@@ -36,11 +50,10 @@ def refine_shift(points_mm: FloatArray, shift_mm: FloatArray, template: Template
     """
     start = shift_mm
     tip_y = template.points_mm[template.tip, 0]
-    points_mm = points_mm[points_mm[:, 0] - shift_mm[0] < tip_y + 2.0 * _NEAR_MM]
+    points_mm = points_mm[points_mm[:, 0] - shift_mm[0] < tip_y + 2.0 * NEAR_MM]
     for _ in range(_ROUNDS):
         along, outside, nearest = template.place(points_mm - shift_mm)
-        unworn = along < template.along_mm[template.tip] + _PAST_TIP_MM
-        use = unworn & (np.abs(outside) < _NEAR_MM)
+        use = template.is_unworn(along) & (np.abs(outside) < near_mm)
         normal, error = template.outward[nearest[use]], outside[use]
         scale = max(_HUBER_MM, 1.5 * float(np.median(np.abs(error))) if len(error) else 0.0)
         weight = np.minimum(1.0, scale / np.maximum(np.abs(error), 1e-12)) / scale**2
@@ -55,12 +68,50 @@ def refine_shift(points_mm: FloatArray, shift_mm: FloatArray, template: Template
     return shift_mm
 
 
-def unworn_misfit_mm(points_mm: FloatArray, shift_mm: FloatArray, template: Template) -> float:
-    """Return the median distance from the reference of the points on its unworn side."""
-    along, outside, _ = template.place(points_mm - shift_mm)
-    unworn = along < template.along_mm[template.tip] + _PAST_TIP_MM
-    near = np.abs(outside[unworn & (np.abs(outside) < _NEAR_MM)])
-    return float(np.median(near)) if len(near) else float("inf")
+def best_shift(
+    points_mm: FloatArray, shifts_mm: Sequence[FloatArray], template: Template
+) -> FloatArray:
+    """Return the shift that lays most points on the unworn side of the reference.
+
+    Parameters
+    ----------
+    points_mm
+        Shape (N, 2), (a, r).
+    shifts_mm
+        Where flanges seem to be. Around each, places beside it are tried too: a stripe and its
+        reflection may overlap, and the vote then falls between them.
+    template
+        The reference.
+
+    Returns
+    -------
+    shift_mm
+        Shape (2,), refined.
+    """
+    plain = [refine_shift(points_mm, shift, template) for shift in shifts_mm]
+    if len(plain) == 1 and _clear(points_mm - plain[0], template):
+        return plain[0]
+    beside = [
+        refine_shift(points_mm, shift + step, template, near_mm=_CLOSE_MM)
+        for shift in shifts_mm
+        for step in _BESIDE_MM
+    ]
+    tried = plain + beside
+    support = [_support(points_mm - shift, template) for shift in tried]
+    return tried[int(np.argmax(support))]
+
+
+def _clear(points_mm: FloatArray, template: Template) -> bool:
+    """Whether nearly all that is near the unworn side of the reference lies on it."""
+    along, outside, _ = template.place(points_mm)
+    near = np.abs(outside[template.is_unworn(along) & (np.abs(outside) < NEAR_MM)])
+    return len(near) > 0 and float(np.mean(near < _ON_MM)) > _CLEAR_SHARE
+
+
+def _support(points_mm: FloatArray, template: Template) -> float:
+    """Count the points on the unworn side of the reference, the nearer the more."""
+    along, outside, _ = template.place(points_mm)
+    return float(np.sum(np.exp(-0.5 * (outside[template.is_unworn(along)] / _ON_MM) ** 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from measure.reference import BACK_Y_MM, ReferenceProfile
 _STEP_MM = 0.5
 _BACK_FACE_MM = 40.0
 _BACK_FACE_CLEARANCE_MM = 1.0
-_FACE_CLEARANCE_MM = 2.0
+_PAST_TIP_MM = 2.0
 _THROAT_END_Y_MM = -15.0
 
 
@@ -71,9 +71,13 @@ class Template:
         outside = np.sum(offset * self.outward[nearest], axis=1)
         return along, outside, nearest
 
+    def is_unworn(self, along_mm: FloatArray) -> BoolArray:
+        """Tell which places are on the back and the tip of the flange, which do not wear."""
+        return np.asarray(along_mm < self.along_mm[self.tip] + _PAST_TIP_MM)
+
     def wears_smoothly(self, along_mm: FloatArray) -> BoolArray:
         """Tell which places are clear of the flange face and the throat, where edges wear in."""
-        start = self.along_mm[self.tip] + _FACE_CLEARANCE_MM
+        start = self.along_mm[self.tip] + _PAST_TIP_MM
         end = self.along_mm[np.argmax(self.points_mm[:, 0] > _THROAT_END_Y_MM)]
         return np.asarray((along_mm < start) | (along_mm > end))
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from calib.arrays import BoolArray, IntArray
-from calib.joint.solve import Problem, Solution
+from calib.joint.problem import Problem, Solution
 from calib.start import LEAST_STRIPE_POINTS
 
 # Chi square of an offset and a slope that a true stripe exceeds once in 300,000.

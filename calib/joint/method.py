@@ -9,7 +9,8 @@ from calib.calibration import CameraRole, SolveReport, Termination
 from calib.camera import PARAMETERS, CameraModel
 from calib.joint.false_stripes import believable_stripes
 from calib.joint.parameters import Estimate, Layout
-from calib.joint.solve import Prior, Problem, Solution, solve
+from calib.joint.problem import Prior, Problem, Solution
+from calib.joint.solve import solve
 from calib.solving import Answer, PointsAnswer, Prepared
 
 # Renewals of the choice which stripes to believe; more than two are not seen to change anything.

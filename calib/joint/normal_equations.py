@@ -15,6 +15,7 @@ from typing import Self
 import numpy as np
 
 from calib.arrays import FloatArray, IntArray
+from calib.errors import NotConverged
 from calib.joint.parameters import POSE_SIZE
 from calib.joint.residuals import Linear
 
@@ -110,12 +111,12 @@ class NormalEquations:
 
         Raises
         ------
-        numpy.linalg.LinAlgError
+        NotConverged
             If the matrix is singular.
         """
-        views = _raised(self.views, damping)
-        by_side = np.linalg.solve(views, self.views_side[:, :, None])[:, :, 0]
-        by_border = np.linalg.solve(views, self.border)
+        views = _inverse(_raised(self.views, damping))
+        by_side = np.einsum("vij,vj->vi", views, self.views_side)
+        by_border = views @ self.border
         schur = _raised(self.shared, damping) - np.einsum("vij,vik->jk", self.border, by_border)
         side = self.shared_side - np.einsum("vij,vi->j", self.border, by_side)
         global_step = _solve_scaled(schur, side)
@@ -128,10 +129,10 @@ class NormalEquations:
 
         Raises
         ------
-        numpy.linalg.LinAlgError
+        NotConverged
             If the matrix is singular.
         """
-        views = np.linalg.inv(self.views)
+        views = _inverse(self.views)
         by_border = views @ self.border
         schur = self.shared - np.einsum("vij,vik->jk", self.border, by_border)
         shared = _solve_scaled(schur, np.eye(len(schur)))
@@ -185,14 +186,34 @@ def _raised(matrices: FloatArray, damping: float) -> FloatArray:
     return np.asarray(matrices + damping * diagonal[..., None] * np.eye(matrices.shape[-1]))
 
 
+def _inverse(views: FloatArray) -> FloatArray:
+    """Invert the blocks of the poses, shape (M, 6, 6)."""
+    # A radian and a millimetre move a point by as much as 1e3 to 1.
+    scale = 1.0 / np.sqrt(np.einsum("vii->vi", views))
+    square = scale[:, :, None] * scale[:, None, :]
+    try:
+        return np.asarray(np.linalg.inv(views * square) * square)
+    except np.linalg.LinAlgError as error:
+        raise _undetermined("a pose") from error
+
+
+def _undetermined(what: str) -> NotConverged:
+    return NotConverged(
+        f"the pictures do not determine {what}; add pictures of the target in other places and "
+        "tilts"
+    )
+
+
 def _solve_scaled(matrix: FloatArray, side: FloatArray) -> FloatArray:
     """Solve a symmetric system whose unknowns differ widely in size (fx 2000 px, k2 0.1)."""
     if len(matrix) == 0:
         return side
     diagonal = np.diag(matrix)
     if not (diagonal > 0.0).all():
-        raise np.linalg.LinAlgError("a global parameter is not determined")
+        raise _undetermined("camera and light plane")
     scale = 1.0 / np.sqrt(diagonal)
     rows = scale if side.ndim == 1 else scale[:, None]
-    solution = np.linalg.solve(matrix * scale * scale[:, None], side * rows)
-    return np.asarray(solution * rows)
+    try:
+        return np.asarray(np.linalg.solve(matrix * scale * scale[:, None], side * rows) * rows)
+    except np.linalg.LinAlgError as error:
+        raise _undetermined("camera and light plane") from error

@@ -16,6 +16,7 @@ _MEMBER_REACH = 0.10
 _ALIKE = 0.95
 # Over one cylinder the focus, and so the width of the stripe, changes by far less.
 _WIDTHS_ALIKE = 2.0
+_FAINTEST = 1.0 / 3.0
 
 
 def points_of_arc(
@@ -61,15 +62,21 @@ def points_of_arc(
     member = aligned & (np.abs(distance - radius_mm) < _MEMBER_REACH * radius_mm)
     on_arc = none
     on_arc[found[member]] = True
-    return on_arc & _of_one_width(stripe.width_px, on_arc), np.asarray(centre)
+    return _like_the_others(stripe, on_arc), np.asarray(centre)
 
 
-def _of_one_width(width_px: FloatArray, among: BoolArray) -> BoolArray:
-    """Tell the points as wide as most: the edge of a lit surface is wider or narrower."""
+def _like_the_others(stripe: StripePoints, among: BoolArray) -> BoolArray:
+    """Tell the points as wide as most, and not much dimmer.
+
+    The edge of a lit surface is wider. Where the sheet grazes the surface the stripe fades within
+    its own width, and its centres are drawn to the bright side.
+    """
     if not among.any():
         return among
-    ratio = width_px / np.median(width_px[among])
-    return np.asarray((ratio < _WIDTHS_ALIKE) & (ratio > 1.0 / _WIDTHS_ALIKE))
+    width = stripe.width_px / np.median(stripe.width_px[among])
+    height = stripe.peak / np.median(stripe.peak[among])
+    alike = (width < _WIDTHS_ALIKE) & (width > 1.0 / _WIDTHS_ALIKE) & (height > _FAINTEST)
+    return np.asarray(among & alike)
 
 
 def on_sheet(

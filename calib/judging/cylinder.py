@@ -83,9 +83,10 @@ def judge_cylinder(
 
     Notes
     -----
-    See `fit_section`. The stripe's kernel draws points of a bent stripe inwards by its variance
-    over twice the bending radius in the picture; that is taken off. What scatters beyond the
-    points' sigma (speckle, the surface) is added to all of them alike.
+    See `fit_section`. What blurs the stripe draws a bent one inwards by the blur's variance over
+    twice the bending radius in the picture; that is taken off. What scatters beyond the points'
+    sigma (speckle, the surface) is added to all of them alike. `u95_mm` knows nothing of what
+    draws all points of an arc one way, as fading towards its ends does: 0.01 mm in renderings.
 
     An arc of 150 degrees tells the radius ten times worse while the axis is unknown.
     """

@@ -5,7 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray
-from calib.judging.section import SectionFit, distance_gradient, fit_section
+from calib.judging.section import (
+    SectionFit,
+    distance_gradient,
+    first_guesses,
+    fit_section,
+)
 from calib.sensor import LaserSensor
 from calib.sheet_frame import SheetFrame
 from calib.stripe import kernel_of
@@ -17,6 +22,8 @@ _FARTHEST_USUAL = 4.0
 # Errors a distance r apart along the stripe are correlated by exp(-r^2 / 4 kernel^2): one in
 # sqrt(4 pi) kernels of length is independent.
 _KERNELS_A_POINT = 3.545
+# Standard deviation of what is anywhere between 0 and 1, held at its middle.
+_HALF_UNIFORM = 0.5 / 3.0**0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +72,10 @@ class FittedArc:
     ) -> "FittedArc":
         """Fit, and fit again with the bend's pull and the true scatter known from the last fit.
 
+        A bent stripe is drawn inwards by the variance of the kernel it is located with, and by
+        that of the lens's blur. How much of the stripe's own width the lens made is not known:
+        half is taken, and the doubt is in `sigma_radius_mm`.
+
         Parameters
         ----------
         arc
@@ -76,24 +87,34 @@ class FittedArc:
         slope
             The axis where it is known, see `fit_section`.
         """
-        pixels, extra_px = arc.centre_px, 0.0
-        gradient = np.full(len(arc), np.nan)
+        pixels, kernel = arc.centre_px, kernel_of(arc.width_px)
+        starts = first_guesses(centre_mm, radius_mm)
+        if slope is not None:
+            starts = [np.concatenate([centre_mm, [radius_mm], slope])]
         sigma = np.full(len(arc), 0.01 * radius_mm)
         for _ in range(_ROUNDS):
             place = frame.coordinates(sensor.locate(pixels))
-            fit = fit_section(place, sigma, centre_mm, radius_mm, slope)
+            fit = fit_section(place, sigma, starts, axis_known=slope is not None)
             gradient = _residual_by_pixel(arc, pixels, place, sensor, frame, fit)
             extra_px = _extra_scatter_px(fit.residual_mm / gradient, arc.sigma_px)
             sigma = np.abs(gradient) * np.hypot(arc.sigma_px, extra_px)
-            centre_mm = fit.centre_mm
-            pixels = arc.centre_px + _bend_px(arc, place, sensor, frame, fit)
+            starts = [fit.unknowns]
+            outward = _outward_per_px2(place, sensor, frame, fit)
+            pixels = arc.centre_px + (kernel**2 + 0.5 * arc.width_px**2)[:, None] * outward
         angle = _angles(place, fit)
+        unsure = gradient * (outward * arc.normal).sum(axis=1) * arc.width_px**2 * _HALF_UNIFORM
+        by_point = fit.radius_by_residual
+        variance = (
+            _alike(arc, angle) * ((by_point * sigma) ** 2).sum()
+            + (by_point @ unsure) ** 2
+            + _by_sensor(pixels, place, sensor, frame, fit)
+        )
         return cls(
             arc=arc,
             fit=fit,
             usual=np.abs(fit.residual_mm) <= _FARTHEST_USUAL * sigma,
             arc_rad=float(np.ptp(angle)),
-            sigma_radius_mm=_sigma_radius(arc, pixels, place, sensor, frame, fit, sigma),
+            sigma_radius_mm=float(np.sqrt(variance)),
         )
 
 
@@ -126,10 +147,13 @@ def _angles(place: FloatArray, fit: SectionFit) -> FloatArray:
     return np.asarray(middle + np.arctan2(turned[:, 1], turned[:, 0]))
 
 
-def _bend_px(
-    arc: StripePoints, place: FloatArray, sensor: LaserSensor, frame: SheetFrame, fit: SectionFit
+def _outward_per_px2(
+    place: FloatArray, sensor: LaserSensor, frame: SheetFrame, fit: SectionFit
 ) -> FloatArray:
-    """Return what takes off the kernel's pull towards the inside of the bend, shape (N, 2)."""
+    """Return half the curvature of the section's picture, outwards, 1/px, shape (N, 2).
+
+    A blur of a bent line draws its centre inwards by half the curvature times its variance.
+    """
     angle = _angles(place, fit)
     before, here, after = (
         sensor.camera.project(frame.points(fit.points_mm(angle + step)))
@@ -137,31 +161,23 @@ def _bend_px(
     )
     half_step = 0.5 * np.linalg.norm(after - before, axis=1)
     # Second difference over step squared: towards the inside, as long as the curvature.
-    curvature = (before - 2.0 * here + after) / half_step[:, None] ** 2
-    kernel = kernel_of(arc.width_px)
-    return np.asarray(-0.5 * kernel[:, None] ** 2 * curvature)
+    return np.asarray(-0.5 * (before - 2.0 * here + after) / half_step[:, None] ** 2)
 
 
-def _sigma_radius(
-    arc: StripePoints,
-    pixels: FloatArray,
-    place: FloatArray,
-    sensor: LaserSensor,
-    frame: SheetFrame,
-    fit: SectionFit,
-    sigma: FloatArray,
-) -> float:
-    by_point = fit.radius_by_residual
-    length_px = float(
-        np.linalg.norm(
-            np.diff(arc.centre_px[np.argsort(_angles(place, fit))], axis=0), axis=1
-        ).sum()
-    )
+def _alike(arc: StripePoints, angle: FloatArray) -> float:
+    """Return how many neighbouring points count as one, as they share noise."""
+    along = arc.centre_px[np.argsort(angle)]
+    length_px = float(np.linalg.norm(np.diff(along, axis=0), axis=1).sum())
     kernel = float(np.median(kernel_of(arc.width_px)))
-    alike = max(1.0, _KERNELS_A_POINT * kernel * len(arc) / length_px)
-    from_points = alike * float(((by_point * sigma) ** 2).sum())
+    return max(1.0, _KERNELS_A_POINT * kernel * len(arc) / length_px)
+
+
+def _by_sensor(
+    pixels: FloatArray, place: FloatArray, sensor: LaserSensor, frame: SheetFrame, fit: SectionFit
+) -> float:
+    """Return the variance of the radius by the sensor's own doubt, mm^2."""
     _, by_sensor = sensor.location_jacobians(pixels)
     on_frame = np.einsum("ij,njk->nik", frame.axes_in_cam, by_sensor)
-    by_parameter = by_point @ np.einsum("ni,nik->nk", distance_gradient(place, fit), on_frame)
-    from_sensor = float(by_parameter @ sensor.covariance @ by_parameter)
-    return float(np.sqrt(from_points + from_sensor))
+    by_distance = np.einsum("ni,nik->nk", distance_gradient(place, fit), on_frame)
+    by_parameter = fit.radius_by_residual @ by_distance
+    return float(by_parameter @ sensor.covariance @ by_parameter)

@@ -11,7 +11,8 @@ from calib.calibration import Method
 from calib.camera import CameraModel
 from calib.errors import CalibError
 from calib.joint.parameters import Estimate, Layout
-from calib.joint.solve import Problem, solve
+from calib.joint.problem import Problem
+from calib.joint.solve import solve
 from calib.lines import fit_line_robustly
 from calib.observations import Observations
 from calib.rigid import RigidTransform

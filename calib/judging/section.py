@@ -1,5 +1,6 @@
 """The section of a cylinder by the sheet, fitted to points on it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,8 @@ _START_SLOPE = 0.15
 _DIRECTIONS = np.arange(4) * np.pi / 4.0
 # Points farther off than this many sigmas count less: Cauchy's loss.
 _USUAL = 2.5
+# A section that is square to the axis has no slope to find: steps along it get nowhere.
+_MOST_STEPS = 40
 # No cylinder is held flatter than 60 degrees from square to the sheet.
 _STEEPEST = 1.7
 
@@ -48,6 +51,11 @@ class SectionFit:
         if not 0.0 < self.radius_mm < np.inf:
             raise ValueError(f"radius_mm must be positive, got {self.radius_mm}")
 
+    @property
+    def unknowns(self) -> FloatArray:
+        """Centre, radius and slope, shape (5,)."""
+        return np.concatenate([self.centre_mm, [self.radius_mm], self.slope])
+
     def points_mm(self, angle: FloatArray) -> FloatArray:
         """Return points of the section, shape (..., 2), at angles around its centre."""
         along = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
@@ -60,9 +68,9 @@ class SectionFit:
 def fit_section(
     points_mm: FloatArray,
     sigma_mm: FloatArray,
-    centre_mm: FloatArray,
-    radius_mm: float,
-    slope: FloatArray | None = None,
+    starts: Sequence[FloatArray],
+    *,
+    axis_known: bool = False,
 ) -> SectionFit:
     r"""Fit a cylinder to points of its section.
 
@@ -72,10 +80,10 @@ def fit_section(
         Shape (N, 2), on the sheet.
     sigma_mm
         Shape (N,), standard deviation of each point across the section.
-    centre_mm, radius_mm
-        A first guess.
-    slope
-        Shape (2,), the axis where it is known; None where it is to be found.
+    starts
+        First guesses, shape (5,): centre, radius, slope; the best answer of all is taken.
+    axis_known
+        The slope of the guesses is held.
 
     Returns
     -------
@@ -92,51 +100,50 @@ def fit_section(
     the axis is unknown: a tilt, a shift and a smaller radius together move the points of an arc
     of 150 degrees by a twentieth of what they change the radius.
     """
+    free = 3 if axis_known else 5
 
-    def unpacked(unknowns: FloatArray) -> FloatArray:
-        return unknowns if slope is None else np.append(unknowns, slope)
+    def whole(unknowns: FloatArray, start: FloatArray) -> FloatArray:
+        return np.concatenate([unknowns, start[free:]])
 
-    def residuals(unknowns: FloatArray) -> FloatArray:
-        return _distance(points_mm, unpacked(unknowns))[0] / sigma_mm
+    def residuals(unknowns: FloatArray, start: FloatArray) -> FloatArray:
+        return _distance(points_mm, whole(unknowns, start))[0] / sigma_mm
 
-    def jacobian(unknowns: FloatArray) -> FloatArray:
-        by_all = _distance(points_mm, unpacked(unknowns))[1]
-        return by_all[:, : len(unknowns)] / sigma_mm[:, None]
+    def jacobian(unknowns: FloatArray, start: FloatArray) -> FloatArray:
+        return _distance(points_mm, whole(unknowns, start))[1][:, :free] / sigma_mm[:, None]
 
-    start = np.append(centre_mm, radius_mm)
-    lean = _START_SLOPE * np.column_stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
-    starts = [start] if slope is not None else [np.append(start, each) for each in lean]
+    limit = np.array([np.inf, np.inf, np.inf, _STEEPEST, _STEEPEST])[:free]
     answers = [
         least_squares(
             residuals,
-            each,
+            start[:free],
             jac=jacobian,
             loss="cauchy",
             f_scale=_USUAL,
             x_scale="jac",
-            bounds=(-_limit(each), _limit(each)),
+            bounds=(-limit, limit),
+            max_nfev=_MOST_STEPS,
+            args=(start,),
         )
-        for each in starts
+        for start in starts
     ]
     best = min(answers, key=lambda answer: float(answer.cost))
-    full = unpacked(best.x)
+    full = whole(best.x, starts[0])
     residual, by_all = _distance(points_mm, full)
     weight = 1.0 / (sigma_mm**2 * (1.0 + (residual / sigma_mm / _USUAL) ** 2))
-    design = by_all[:, : len(best.x)]
+    design = by_all[:, :free]
     gain = np.linalg.pinv((design.T * weight) @ design)[2] @ (design.T * weight)
     return SectionFit(full[:2], full[3:], float(full[2]), residual, -gain)
 
 
+def first_guesses(centre_mm: FloatArray, radius_mm: float) -> list[FloatArray]:
+    """Return guesses, each of shape (5,), with the axis leaning towards four directions."""
+    lean = _START_SLOPE * np.column_stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
+    return [np.array([*centre_mm, radius_mm, *each], dtype=np.float64) for each in lean]
+
+
 def distance_gradient(points_mm: FloatArray, fit: SectionFit) -> FloatArray:
     """Return d(distance from the axis)/d(point), shape (N, 2)."""
-    by_all = _distance(points_mm, np.concatenate([fit.centre_mm, [fit.radius_mm], fit.slope]))[1]
-    return np.asarray(-by_all[:, :2])
-
-
-def _limit(start: FloatArray) -> FloatArray:
-    limit = np.full(len(start), np.inf)
-    limit[3:] = _STEEPEST
-    return limit
+    return np.asarray(-_distance(points_mm, fit.unknowns)[1][:, :2])
 
 
 def _distance(points_mm: FloatArray, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,5 +1,6 @@
 """Frames on their way from the camera through the ring to the recorder, each accounted for."""
 
+import contextlib
 import time
 from collections.abc import Iterable
 
@@ -12,7 +13,7 @@ from station.recording import Event, EventKind
 
 _POP_TIMEOUT_US = 10_000
 _UNDERRUN_INTERVAL_S = 1.0
-_RESTARTS = 3
+_MOST_RESTARTS = 10
 
 
 class Intake:
@@ -48,6 +49,7 @@ class Intake:
         self._clock = CameraClock(0)
         self._underruns = 0
         self._underruns_asked_s = 0.0
+        self._restarts = 0
 
     @property
     def free_slots(self) -> frozenset[int]:
@@ -139,7 +141,7 @@ class Intake:
             self.revive()
 
     def _settle(self, outcome: Outcome) -> None:
-        if outcome.failure is not None and self.failure is None:
+        if outcome.failure is not None:
             self.fail(outcome.failure)
         if not isinstance(outcome.entry, FrameEntry):
             return
@@ -173,15 +175,16 @@ class Intake:
         self.note(Event(EventKind.RECORDER_RESTARTED, time.time_ns(), detail))
 
     def _restarted(self) -> tuple[Outcome, ...]:
-        for _ in range(_RESTARTS):
-            try:
+        while self._restarts < _MOST_RESTARTS:
+            self._restarts += 1
+            with contextlib.suppress(RecorderDied):
                 return self._link.restart()
-            except RecorderDied:
-                continue
-        raise RecordingError(f"the recorder died {_RESTARTS} times in a row; see the system's log")
+        raise RecordingError(f"the recorder died {_MOST_RESTARTS} times; see the system's log")
 
     def fail(self, failure: StationError) -> None:
-        """Nothing more can be written: say so once, in the report; the file cannot hold it."""
+        """Write nothing more, and say so once, in the report: the file cannot hold it."""
+        if self.failure is not None:
+            return
         self.failure = failure
         kind = EventKind.DISK_FULL if isinstance(failure, DiskFull) else EventKind.RECORDER_FAILED
         self.events.append(Event(kind, time.time_ns(), str(failure)))

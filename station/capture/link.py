@@ -48,8 +48,11 @@ class Outcome:
     failure: StationError | None = None
 
 
-class RecorderDied(Exception):
-    """The recorder's process is gone."""
+class RecorderDied(RecordingError):
+    """The recorder's process is gone; where another can go on, this stays within the process."""
+
+    def __init__(self) -> None:
+        super().__init__("the recorder's process died; record again, and see the system's log")
 
 
 class RecorderLink:
@@ -96,7 +99,11 @@ class RecorderLink:
         if self._process.poll() is not None:  # it died while there was nothing to do
             self._close()
             self._start()
-        self._ask({**self._opening, "resume": False}, _START_TIMEOUT_S)
+        try:
+            self._ask({**self._opening, "resume": False}, _START_TIMEOUT_S)
+        except StationError:
+            self._opening = {}
+            raise
 
     def discard(self) -> None:
         """Take back the recording just opened."""
@@ -149,6 +156,10 @@ class RecorderLink:
         self._opening = {}
         return int(answer["finished"])
 
+    def kill(self) -> None:
+        """End a recorder that is stuck; the next order finds it dead."""
+        self._process.kill()
+
     def close(self) -> None:
         """End the recorder; an unfinished recording is finished by it."""
         self._close()
@@ -167,8 +178,7 @@ class RecorderLink:
         try:
             self._process.wait(_FINISH_TIMEOUT_S)
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            self._process.kill()  # and not waited for: a disk that hangs may hold it
 
     def _order(self, entry: Entry) -> None:
         if isinstance(entry, FrameEntry):

@@ -18,7 +18,8 @@ from station.software import SOFTWARE
 _QUIET_S = 1.0
 """A camera from which nothing came for so long has sent all that it was triggered for."""
 _LAST_FRAMES_S = 0.3
-_LAST_ANSWERS_S = 30.0
+_LAST_ANSWERS_S = 10.0
+_PATIENCES = 2
 
 
 class CaptureSession:
@@ -128,10 +129,14 @@ class CaptureSession:
         self.intake.detach(lost=camera is None)
 
     def _settle(self) -> None:
-        """Wait until the recorder has answered for every entry."""
-        deadline = time.monotonic() + _LAST_ANSWERS_S
-        while self.intake.unwritten and time.monotonic() < deadline:
-            self.intake.settle(timeout_s=0.1)
+        """Wait until the recorder has answered for every entry; replace one that is stuck."""
+        for _ in range(_PATIENCES):
+            deadline = time.monotonic() + _LAST_ANSWERS_S
+            while self.intake.unwritten and time.monotonic() < deadline:
+                self.intake.settle(timeout_s=0.1)
+            if not self.intake.unwritten:
+                return
+            self._link.kill()
 
     def _close_file(self, report: CaptureReport) -> None:
         counts = report.to_json()

@@ -27,14 +27,17 @@ class PlaneJudgement:
 
     Attributes
     ----------
+    plane_rms_mm
+        Root mean square, over the field, of the true sheet's distance from the solved plane.
     sheet_rms_mm
-        Root mean square over the field of how far points on the sheet are placed wrongly.
+        The same of how far pixels are placed wrongly: plane and camera together.
     normal_error_deg, offset_error_mm
-        The plane itself: angle of the normals, difference of d.
+        Angle of the normals, difference of d.
     """
 
     sensor: str
     method: str
+    plane_rms_mm: float
     sheet_rms_mm: float
     normal_error_deg: float
     offset_error_mm: float
@@ -62,6 +65,7 @@ def judge_plane(truth: SensorTruth, document: CalibrationDocument) -> PlaneJudge
     return PlaneJudgement(
         sensor=truth.id,
         method=document.method,
+        plane_rms_mm=root_mean_square(solved.plane.distance_mm(true.locate(field_px))),
         sheet_rms_mm=root_mean_square(sheet_difference_mm(solved, true, field_px)),
         normal_error_deg=math.degrees(math.acos(min(1.0, cosine))),
         offset_error_mm=solved.plane.offset_mm - true.plane.offset_mm,

@@ -43,7 +43,8 @@ def _planes(result: DemoResult) -> Table:
         {
             "sensor": plane.sensor,
             "method": plane.method,
-            "sheet error, mm RMS": plane.sheet_rms_mm,
+            "plane error, mm RMS": plane.plane_rms_mm,
+            "with its camera, mm RMS": plane.sheet_rms_mm,
             "normal off, deg": plane.normal_error_deg,
             "d off, mm": plane.offset_error_mm,
             "pictures used": plane.pictures_used,

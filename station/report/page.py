@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from importlib.resources import files
-from itertools import islice
 from pathlib import Path
 
 from station.documents import CalibrationDocument
@@ -47,12 +46,12 @@ def calibration_report(
     """
     pictures = evidence_of(points_csv)
     ranked = worst_first(document, pictures)
-    boxes = {
-        each.evidence.name: Box.around(each.evidence, document.camera.width, document.camera.height)
-        for each in islice(ranked, MOST_PICTURES)
-    }
-    unseen = (name for name in document.left_out if name not in boxes)
-    crops = crops_of(sources, boxes, frozenset(islice(unseen, MOST_THUMBNAILS)))
+    drawn = [each.evidence for each in ranked[:MOST_PICTURES]]
+    size = document.camera.width, document.camera.height
+    boxes = [Box.around(picture, *size) for picture in drawn]
+    by_name = dict(zip((picture.name for picture in drawn), boxes, strict=True))
+    never_solved = [name for name in document.left_out if name not in by_name]
+    crops = crops_of(sources, by_name, frozenset(never_solved[:MOST_THUMBNAILS]))
     return _page(
         document.sensor,
         element("header", element("p", "Calibration report", class_="kind"),

@@ -10,7 +10,7 @@ from station.documents import CalibrationDocument
 from station.report.drawing import Axes, line_through, needles, specks
 from station.report.evidence import PictureEvidence, rms, whitened_dots, whitened_stripe
 from station.report.markup import Markup, element, figure, number, section, table
-from station.report.wording import count, figures, magnification, minus
+from station.report.wording import count, figures, magnification, to_digit_of
 
 _WIDTH = 400.0
 _MOST_NEEDLES = 2000
@@ -74,10 +74,11 @@ def _along_normal(picture: PictureEvidence) -> FloatArray:
 
 def _direction(name: str, deviation_px: FloatArray, whitened: FloatArray) -> tuple[Markup, ...]:
     mean_px = float(deviation_px.mean()) if deviation_px.size else math.nan
+    mean_sigma_px = rms(deviation_px) / math.sqrt(max(deviation_px.size, 1))
     return (
         element("th", name, scope="row"),
         number(str(deviation_px.size)),
-        number(minus(f"{mean_px:+.4f}")),
+        number(to_digit_of(mean_px, mean_sigma_px)),
         number(figures(rms(deviation_px))),
         number(figures(rms(whitened))),
     )

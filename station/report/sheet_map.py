@@ -13,11 +13,11 @@ from station.report.markup import Markup, element, figure, join, section
 from station.report.wording import figures
 
 _CELLS_ACROSS = 120
-_ROWS_A_CELL = 3
+_ROWS_A_CELL = 2
 """The sheet changes most along v: cells are lower than wide."""
-_LONGEST_RUN = 20
-"""Cells of one shade in a row are drawn as one; not more, as lenses bend lines."""
-_MARGIN = 0.08
+_STRIDE = 5
+"""Cells of one shade in a row are drawn as one, with a corner every so many: lenses bend lines."""
+_MARGIN = 0.05
 """How far the map reaches beyond the stripes seen, as part of the picture's width."""
 _SHADES = 7
 _NO_SHEET = -1
@@ -98,10 +98,19 @@ def _runs(shade: IntArray) -> Iterator[tuple[int, int]]:
     """Yield first and last of neighbouring cells in a row that have one shade."""
     first = 0
     for cell in range(1, len(shade) + 1):
-        ends = cell == len(shade) or shade[cell] != shade[first] or cell % _CELLS_ACROSS == 0
-        if ends or cell - first == _LONGEST_RUN:
+        if cell == len(shade) or shade[cell] != shade[first] or cell % _CELLS_ACROSS == 0:
             yield first, cell - 1
             first = cell
+
+
+def _outline(places: FloatArray, first: int, last: int) -> FloatArray:
+    """Return the corners, shape (N, 2), around neighbouring cells of a row."""
+    # The same columns in every row, so that rows meet without a gap.
+    between = [cell for cell in range(first + 1, last + 1) if cell % _STRIDE == 0]
+    along = [first, *between]
+    top = [*places[along, 0], places[last, 1]]
+    bottom = [*places[along, 3], places[last, 2]]
+    return np.array([*top, *bottom[::-1]])
 
 
 def _levels(sigma_mm: FloatArray) -> FloatArray:
@@ -130,9 +139,7 @@ def _draw(
     shapes: dict[int, list[str]] = {each: [] for each in range(_SHADES)}
     for first, last in _runs(shade):
         if shade[first] != _NO_SHEET:
-            start, end = places[first], places[last]
-            outline = line_through(np.array([start[0], end[1], end[2], start[3]]))
-            shapes[int(shade[first])].append(f"{outline}z")
+            shapes[int(shade[first])].append(f"{line_through(_outline(places, first, last))}z")
     cells = [
         element("path", d="".join(outlines), class_=f"shade-{each}")
         for each, outlines in shapes.items()

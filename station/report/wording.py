@@ -29,6 +29,8 @@ def to_digit_of(value: float, sigma: float) -> str:
     >>> to_digit_of(279.06171, 0.0123), to_digit_of(-0.5, 0.0)
     ('279.062', '−0.5')
     """
+    if not math.isfinite(value):
+        return UNKNOWN
     if not (math.isfinite(sigma) and sigma > 0.0):
         return minus(f"{value:.8g}")
     places = max(0, 1 - math.floor(math.log10(sigma)))

@@ -141,7 +141,7 @@ def _board_coordinates(pose):
     points = pose.inverse().apply(rays * (normal @ origin / (rays @ normal))[:, None])
     size = (FINE * CAMERA.width, FINE * CAMERA.height)
     # The map bends so little that between pixels a straight line is exact enough (1e-5 px).
-    x, y = (points[:, i].reshape(u.shape) for i in (0, 1))
+    x, y = (points[:, i].reshape(u.shape).astype(np.float32) for i in (0, 1))
     return tuple(cv2.resize(a, size, interpolation=cv2.INTER_LINEAR) for a in (x, y))
 
 

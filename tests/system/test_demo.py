@@ -46,7 +46,7 @@ def test_readings_are_within_a_tenth_of_a_millimetre_of_the_truth(demo, quantity
 
 
 def test_joint_plane_is_nearer_the_truth_than_the_preplanar_one(demo):
-    error = {(p["sensor"], p["method"]): p["sheet_rms_mm"] for p in demo["planes"]}
+    error = {(p["sensor"], p["method"]): p["plane_rms_mm"] for p in demo["planes"]}
     for sensor in {sensor for sensor, _ in error}:
         assert error[sensor, "joint"] < error[sensor, "preplanar"]
 

@@ -19,7 +19,7 @@ from capture_rig import (
 from station.capture import CaptureState
 from station.errors import CameraError, CameraRefused, InputUnusable, StateConflict
 from station.recording import EventKind, active_path, events, frames, info, verify
-from station.simulated import Faults
+from station.simulated import DeviceOptions, Faults
 
 ADDRESS = "127.20.1.1"
 
@@ -207,6 +207,48 @@ def test_trigger_that_brings_no_frame_is_an_error_and_a_loss(tmp_path, path):
         report = client.finish()
     assert (report.triggered, report.recorded, report.lost) == (3, 2, 1)
     assert not report.complete
+
+
+def test_packets_that_never_come_cost_frames_but_never_the_account(tmp_path, path):
+    """A camera that keeps one picture only cannot send again what is asked for late."""
+    faults = Faults(packet_loss=0.02, seed=5)
+    options = DeviceOptions(resend_frames=1)
+    settings = sensor_at("127.20.1.4", frame_rate_hz=150.0, exposure_us=500.0)
+    with (
+        small_camera("127.20.1.4", faults=faults, options=options),
+        capture_of(settings, tmp_path) as (client, _),
+    ):
+        client.arm(plan_for(path, "free", frames=150))
+        wait_for(client, lambda status: status.state is CaptureState.RECORDED)
+        report = client.finish()
+    assert report.recorded >= 5
+    assert report.lost + report.refused >= 5
+    assert report.repeated == 0
+    assert not report.complete
+    ids = [frame.frame_id for frame in frames(path)]
+    assert len(ids) == report.recorded
+    assert_served(path, 0, ids)
+    assert verify(path).ok
+    assert verify(path).lost == report.lost + report.refused
+
+
+def test_camera_armed_while_another_streams_loses_no_frame_to_it(client, path, tmp_path):
+    """A driver that takes the other's first packet for its own drops its first frames as late."""
+    client.arm(plan_for(path, "free"))
+    with (
+        small_camera("127.20.1.5"),
+        capture_of(sensor_at("127.20.1.5", frame_rate_hz=100.0), tmp_path) as (second, _),
+    ):
+        wait_for(second, is_idle)
+        for number in range(5):
+            second.arm(plan_for(tmp_path / f"second-{number}.mcap", "free", frames=10))
+            wait_for(second, lambda status: status.state is CaptureState.RECORDED)
+            report = second.finish()
+            assert (report.recorded, report.lost) == (10, 0)
+            # The first camera's ids must be close to those of the second one's next recording.
+            client.finish()
+            path.unlink()
+            client.arm(plan_for(path, "free"))
 
 
 def test_setting_out_of_range_is_refused_with_the_range(tmp_path):

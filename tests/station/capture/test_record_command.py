@@ -2,6 +2,7 @@
 
 import json
 
+import cv2
 import numpy as np
 import pytest
 from capture_rig import assert_served, served_pictures, small_camera
@@ -90,8 +91,6 @@ def test_recording_that_exists_is_kept(station, tmp_path):
 
 @pytest.fixture
 def folder(tmp_path):
-    import cv2
-
     folder = tmp_path / "pictures"
     folder.mkdir()
     for number, pixels in enumerate(served_pictures(count=12), 1):

@@ -12,7 +12,16 @@ from recording_samples import (
 )
 
 from station.errors import InputUnusable, NotFound, RecordingUnreadable
-from station.recording import EventKind, RecordingWriter, attachment, events, frames, info, verify
+from station.recording import (
+    Event,
+    EventKind,
+    RecordingWriter,
+    attachment,
+    events,
+    frames,
+    info,
+    verify,
+)
 
 
 @pytest.fixture
@@ -135,8 +144,6 @@ def test_flipped_bit_in_a_picture_stops_the_reader_at_its_frame(recording, rng):
 
 
 def test_gap_without_an_event_is_a_problem_and_with_one_is_a_loss(tmp_path, rng):
-    from station.recording import Event
-
     for explained in (False, True):
         path = tmp_path / f"{explained}.mcap"
         with RecordingWriter(path) as writer:

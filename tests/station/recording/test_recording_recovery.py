@@ -161,6 +161,25 @@ def test_writer_goes_on_after_the_death_of_another(interrupted, rng):
     assert verify(path).ok
 
 
+@pytest.mark.parametrize(
+    "damage", ["within the index", "between chunk and index", "in the picture"]
+)
+def test_writer_goes_on_before_a_last_frame_that_is_not_whole(interrupted, damage):
+    path, pictures, unfinished = interrupted
+    left = bytearray(unfinished)
+    if damage == "in the picture":
+        left[left.index(pictures[7].tobytes()) + 9] ^= 1
+    else:
+        # A message index of one entry is 31 bytes.
+        del left[-31 if damage == "between chunk and index" else -5 :]
+    active_path(path).write_bytes(left)
+    with RecordingWriter(path, resume=True) as writer:
+        assert writer.frames_written("left") == 7
+        write_picture(writer, 8, pictures[7])
+    assert [frame.frame_id for frame in frames(path)] == list(range(1, 9))
+    assert verify(path).ok
+
+
 @pytest.mark.parametrize("length", [0, 3, 8, 20])
 def test_writer_goes_on_after_a_death_at_the_very_start(interrupted, rng, length):
     path, _, unfinished = interrupted
