@@ -99,6 +99,8 @@ def gaussian_rows(sigma_px: float, shift_px: FloatArray) -> FloatArray:
 def windows_at(picture: NDArray[np.generic], pixels: IntArray, radius: int) -> Float32Array:
     """Return the square windows, shape (N, K, K), about whole pixels (u, v) that are inside."""
     size = 2 * radius + 1
+    if len(pixels) == 0:  # as in a picture smaller than the window
+        return np.zeros((0, size, size), dtype=np.float32)
     view = sliding_window_view(picture, (size, size))
     return view[pixels[:, 1] - radius, pixels[:, 0] - radius].astype(np.float32)
 

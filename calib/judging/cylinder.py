@@ -11,7 +11,7 @@ from calib.sensor import LaserSensor
 from calib.sheet_frame import SheetFrame
 from calib.views import StripePoints
 
-_FEWEST_POINTS = 60
+_FEWEST_POINTS = 40
 _SHORTEST_ARC_RAD = np.radians(60.0)
 # Of the nominal radius.
 _FARTHEST_RADIUS = 0.2
@@ -101,10 +101,11 @@ def judge_cylinder(
         return CylinderReading(name, points=len(arc), reason=reason)
     slope = None if axis_in_cam is None else frame.slope_of(axis_in_cam)
     fitted = FittedArc.settled(arc, sensor, frame, centre, radius_mm, None)
-    reason = _refusal(fitted, radius_mm)
-    if slope is not None and not reason:
+    reason = ""
+    if slope is not None:
         free, fitted = fitted, FittedArc.settled(arc, sensor, frame, centre, radius_mm, slope)
-        reason = _refusal(fitted, radius_mm) or _contradiction(free, fitted)
+        reason = _contradiction(free, fitted)
+    reason = reason or _refusal(fitted, radius_mm)
     if reason:
         return CylinderReading(name, points=len(arc), reason=reason)
     return _reading(fitted, name)

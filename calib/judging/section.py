@@ -129,7 +129,10 @@ def fit_section(
     best = min(answers, key=lambda answer: float(answer.cost))
     full = whole(best.x, starts[0])
     residual, by_all = _distance(points_mm, full)
-    weight = 1.0 / (sigma_mm**2 * (1.0 + (residual / sigma_mm / _USUAL) ** 2))
+    usual = (residual / sigma_mm / _USUAL) ** 2
+    # How the pull of a point grows with its distance: the second derivative of Cauchy's loss,
+    # taken as none where it turns.
+    weight = np.maximum(1.0 - usual, 0.0) / ((1.0 + usual) * sigma_mm) ** 2
     design = by_all[:, :free]
     gain = np.linalg.pinv((design.T * weight) @ design)[2] @ (design.T * weight)
     return SectionFit(full[:2], full[3:], float(full[2]), residual, -gain)

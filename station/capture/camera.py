@@ -123,13 +123,17 @@ class Camera:
         if settings.gain_db is not None:
             self._check("gain", settings.gain_db, "dB", camera.get_gain_bounds())
             camera.set_gain(settings.gain_db)
+        self._set_frame_rate()
+
+    def _set_frame_rate(self) -> None:
+        rate_hz = self._settings.frame_rate_hz
+        self._check("frame rate", rate_hz, "Hz", self._camera.get_frame_rate_bounds())
+        self._camera.set_frame_rate(rate_hz)
 
     def _set_trigger(self, trigger: Trigger) -> None:
         # The frame rate first: setting it clears the triggers.
-        rate_hz = self._settings.frame_rate_hz
-        self._check("frame rate", rate_hz, "Hz", self._camera.get_frame_rate_bounds())
         self._camera.clear_triggers()
-        self._camera.set_frame_rate(rate_hz)
+        self._set_frame_rate()
         if trigger is Trigger.SOFTWARE:
             self._camera.set_trigger("Software")
         elif trigger is Trigger.LINE1:

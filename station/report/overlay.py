@@ -10,6 +10,9 @@ from station.report.markup import Markup, element, figure, join
 from station.report.residuals import needle_factor
 from station.report.wording import figures
 
+_MARKS_ACROSS = 480.0
+"""Units of marks across a picture: marks look alike in pictures of all sizes."""
+
 
 def overlay(picture: PictureEvidence, box: Box, crop: Crop | None) -> Markup:
     """Draw the picture with every point where it was seen and where it belongs."""
@@ -29,6 +32,8 @@ def overlay(picture: PictureEvidence, box: Box, crop: Crop | None) -> Markup:
     ]
     drawing = element(
         "svg", ground, drawn, viewBox=box.view_box, role="img",
+        # The unit of marks; the style divides it where the picture is enlarged.
+        style=f"--mark:{box.width / _MARKS_ACROSS:.4g}px",
         aria_label=f"{picture.name}: points seen and corrected",
     )  # fmt: skip
     return figure(element("div", drawing, class_="window"), words)
@@ -36,29 +41,28 @@ def overlay(picture: PictureEvidence, box: Box, crop: Crop | None) -> Markup:
 
 def _points_drawn(points: PointSet, kind: str, box: Box) -> Markup:
     """Draw seen points, corrected ones over them, and a ring about those that were not used."""
-    width = box.width / 480.0
+    width = box.width / _MARKS_ACROSS
     known = np.isfinite(points.corrected_px).all(axis=1)
     layers = [
-        _marked(points.seen_px, f"seen-{kind}", width),
-        _marked(points.corrected_px[known], f"corrected-{kind}", width),
+        _marked(points.seen_px, f"seen-{kind}"),
+        _marked(points.corrected_px[known], f"corrected-{kind}"),
     ]
     rings = [
         element(
             "circle", element("title", points.reason[i] or "not used"),
             cx=f"{points.seen_px[i, 0]:.1f}", cy=f"{points.seen_px[i, 1]:.1f}", r=9.0 * width,
-            stroke_width=1.2 * width,
         )
         for i in np.flatnonzero(~points.used)
     ]  # fmt: skip
     return join([*layers, element("g", rings, class_="unused")])
 
 
-def _marked(points_px: FloatArray, mark: str, width: float) -> Markup:
+def _marked(points_px: FloatArray, mark: str) -> Markup:
     if not len(points_px):
         return join(())
     url = f"url(#{mark})"
     return element(
-        "path", d=line_through(points_px), fill="none", stroke="none", stroke_width=width,
+        "path", d=line_through(points_px), fill="none", stroke="none", class_="marked",
         marker_start=url, marker_mid=url, marker_end=url,
     )  # fmt: skip
 

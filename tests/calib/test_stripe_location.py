@@ -162,6 +162,12 @@ def test_a_dark_picture_gives_no_points_rather_than_an_error(rng, shape):
     assert len(locate_stripe(exposed(np.full(shape, 8.0), rng))) == 0
 
 
+def test_a_picture_smaller_than_its_stripe_wants_is_survived(rng):
+    centre = 15.0 + 0.0 * U[:60]
+    light = stripe_light(centre, width=6.0, height=900.0, shape=(30, 60))
+    assert len(locate_stripe(exposed(light, rng))) <= 60
+
+
 def test_a_picture_of_nothing_but_texture_is_survived(rng):
     noise = rng.normal(size=(700, 2048))
     picture = np.clip(120.0 + 60.0 * noise, 0, 255).astype(np.uint8)

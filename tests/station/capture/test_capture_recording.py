@@ -89,6 +89,7 @@ def test_recording_tells_station_session_camera_and_account(camera, client, path
         "train": "G 4711",
     }
     assert found.metadata["camera"]["exposure_us"] == "500.0"
+    assert found.metadata["camera"]["frame_rate_hz"] == "100.0"
     assert found.metadata["camera"]["serial"] == camera.serial
     assert found.metadata["accounting"]["recorded"] == "2"
     assert found.metadata["accounting"]["complete"] == "True"

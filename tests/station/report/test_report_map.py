@@ -34,8 +34,9 @@ def test_map_runs_right_and_down_as_pictures_do(kept):
     assert down[1] > 0.0
 
 
-def test_runs_of_one_shade_hold_every_cell_once(rng):
-    shade = rng.integers(0, 2, 360)
+@pytest.mark.parametrize("shades", [1, 2])
+def test_runs_of_one_shade_hold_every_cell_once(rng, shades):
+    shade = rng.integers(0, shades, 360)
     runs = list(_runs(shade))
     cells = [cell for first, last in runs for cell in range(first, last + 1)]
     assert cells == list(range(360))

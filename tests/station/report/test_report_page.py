@@ -50,6 +50,13 @@ def test_page_stands_by_itself(page):
     assert not re.search(r"url\(|@import|https?:|//", style)
 
 
+def test_every_mark_that_is_used_is_there(kept, page):
+    there = {element.attributes.get("id") for element in everything(page)}
+    used = set(re.findall(r"url\(#([^)]+)\)", kept.page))
+    assert used
+    assert used <= there
+
+
 def test_texts_from_file_names_are_shown_and_never_obeyed(kept, page):
     assert HOSTILE in page.text
     assert WITHOUT_TARGET in page.text

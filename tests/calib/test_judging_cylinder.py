@@ -1,0 +1,199 @@
+"""Is the radius of a cylinder found from its section, and is its uncertainty true?
+
+Sections are traced in space from a known cylinder, and drawn inwards as a blur draws them.
+"""
+
+import numpy as np
+import pytest
+from synthetic_views import PAPER_SENSOR
+
+from calib import Cause, LaserSensor, StripePoints, judge_cylinder
+from calib.judging.section import _distance, first_guesses, fit_section
+from calib.stripe import kernel_of
+
+RADIUS_MM = 30.0
+WIDTH_PX = 1.2
+SENSOR = PAPER_SENSOR
+NORMAL = SENSOR.plane.normal_in_cam
+MIDDLE = SENSOR.locate(np.array([[700.0, 300.0]]))[0]
+
+
+def tilted_axis(degrees, towards=0.7):
+    along = np.cross(NORMAL, [1.0, 0.0, 0.0])
+    along /= np.linalg.norm(along)
+    across = np.cross(NORMAL, along)
+    lean = np.cos(towards) * along + np.sin(towards) * across
+    tilt = np.radians(degrees)
+    return np.cos(tilt) * NORMAL + np.sin(tilt) * lean
+
+
+def section_px(axis, angle):
+    """Where the camera sees points of the section, at angles around the axis."""
+    one = np.cross(axis, [0.0, 0.0, 1.0])
+    one /= np.linalg.norm(one)
+    other = np.cross(axis, one)
+    rim = MIDDLE + RADIUS_MM * (np.outer(np.cos(angle), one) + np.outer(np.sin(angle), other))
+    along = -SENSOR.plane.distance_mm(rim) / (NORMAL @ axis)
+    return SENSOR.camera.project(rim + np.outer(along, axis))
+
+
+def facing_angle(axis):
+    """The angle at which the section faces the camera."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+    one = np.cross(axis, [0.0, 0.0, 1.0])
+    one /= np.linalg.norm(one)
+    other = np.cross(axis, one)
+    outward = np.outer(np.cos(angle), one) + np.outer(np.sin(angle), other)
+    return angle[np.argmin(outward @ MIDDLE)]
+
+
+def stripe_on(axis, *, count=60, reach_deg=70.0, noise_px=0.0, rng=None):
+    angle = facing_angle(axis) + np.radians(np.linspace(-reach_deg, reach_deg, count))
+    before, here, after = (section_px(axis, angle + shift) for shift in (-1e-3, 0.0, 1e-3))
+    tangent = after - before
+    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    bend = (after - 2.0 * here + before) / (np.linalg.norm(tangent, axis=1) / 2.0)[:, None] ** 2
+    width = np.full(count, WIDTH_PX)
+    pull = 0.5 * (kernel_of(width) ** 2 + 0.5 * width**2)
+    shift = noise_px * rng.normal(size=count) if rng is not None else np.zeros(count)
+    return points_at(here + pull[:, None] * bend + shift[:, None] * normal, normal, noise_px)
+
+
+def points_at(centre, normal, sigma_px=0.0, width_px=WIDTH_PX):
+    count = len(centre)
+    return StripePoints(
+        centre_px=centre,
+        normal=normal,
+        sigma_px=np.full(count, max(sigma_px, 1e-3)),
+        width_px=np.full(count, width_px),
+        peak=np.full(count, 150.0),
+        saturated=np.zeros(count, dtype=bool),
+        cause=(Cause.NONE,) * count,
+    )
+
+
+def joined(*parts):
+    return StripePoints(
+        **{
+            name: np.concatenate([getattr(part, name) for part in parts])
+            for name in ("centre_px", "normal", "sigma_px", "width_px", "peak", "saturated")
+        },
+        cause=sum((part.cause for part in parts), ()),
+    )
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 3.0, 12.0, 25.0])
+def test_radius_is_exact_where_the_axis_is_known(tilt_deg):
+    axis = tilted_axis(tilt_deg)
+    reading = judge_cylinder(stripe_on(axis), SENSOR, RADIUS_MM, name="one", axis_in_cam=axis)
+    assert reading.reason == ""
+    # Half of a second-order difference of the bend along the arc stays: some 1e-4 px.
+    assert reading.radius_mm == pytest.approx(RADIUS_MM, abs=5e-4)
+    assert reading.tilt_deg == pytest.approx(tilt_deg, abs=1e-6)
+
+
+@pytest.mark.parametrize("tilt_deg", [8.0, 20.0])
+def test_radius_and_tilt_are_found_together_without_noise(tilt_deg):
+    reading = judge_cylinder(stripe_on(tilted_axis(tilt_deg)), SENSOR, RADIUS_MM, name="one")
+    # The free axis magnifies what stays twentyfold.
+    assert reading.radius_mm == pytest.approx(RADIUS_MM, abs=0.01)
+    assert reading.tilt_deg == pytest.approx(tilt_deg, abs=0.2)
+
+
+def test_uncertainty_is_the_scatter_where_the_axis_is_known(rng):
+    axis = tilted_axis(10.0)
+    readings = [
+        judge_cylinder(
+            stripe_on(axis, count=45, noise_px=0.1, rng=rng),
+            SENSOR,
+            RADIUS_MM,
+            name="",
+            axis_in_cam=axis,
+        )
+        for _ in range(60)
+    ]
+    scatter = np.std([reading.radius_mm for reading in readings], ddof=1)
+    predicted = np.mean([reading.u95_mm for reading in readings]) / 1.96
+    # So few points are too far apart to share noise. Sixty draws pin a scatter to 9 %.
+    assert predicted == pytest.approx(scatter, rel=0.25)
+
+
+def test_free_axis_is_told_to_be_much_more_uncertain(rng):
+    axis = tilted_axis(10.0)
+    stripe = stripe_on(axis, noise_px=0.05, rng=rng)
+    free = judge_cylinder(stripe, SENSOR, RADIUS_MM, name="")
+    known = judge_cylinder(stripe, SENSOR, RADIUS_MM, name="", axis_in_cam=axis)
+    assert free.u95_mm > 4.0 * known.u95_mm
+
+
+def test_doubt_of_the_sensor_is_in_the_uncertainty(rng):
+    axis = tilted_axis(10.0)
+    stripe = stripe_on(axis, noise_px=0.01, rng=rng)
+    doubt = np.zeros((13, 13))
+    doubt[12, 12] = 0.5**2
+    unsure = LaserSensor(SENSOR.camera, SENSOR.plane, doubt)
+    reading = judge_cylinder(stripe, unsure, RADIUS_MM, name="", axis_in_cam=axis)
+    # The section grows with the distance of the sheet from the camera.
+    expected = 1.96 * 0.5 / SENSOR.plane.offset_mm * RADIUS_MM
+    assert reading.u95_mm == pytest.approx(expected, rel=0.05)
+
+
+def test_straight_edges_and_wide_ones_are_not_taken_for_the_section(rng):
+    axis = tilted_axis(10.0)
+    stripe = stripe_on(axis, noise_px=0.02, rng=rng)
+    place = np.linspace(200.0, 1800.0, 300)
+    edge = points_at(
+        np.column_stack([place, 300.0 + 0.3 * place]), np.tile([-0.287, 0.958], (300, 1))
+    )
+    lamp = points_at(stripe.centre_px[-8:] + 8.0, stripe.normal[-8:], width_px=6.0)
+    alone = judge_cylinder(stripe, SENSOR, RADIUS_MM, name="", axis_in_cam=axis)
+    among = judge_cylinder(joined(edge, stripe, lamp), SENSOR, RADIUS_MM, name="", axis_in_cam=axis)
+    assert among.radius_mm == pytest.approx(alone.radius_mm, abs=0.01)
+
+
+def test_wrong_axis_is_recognised(rng):
+    stripe = stripe_on(tilted_axis(25.0), noise_px=0.02, rng=rng)
+    reading = judge_cylinder(stripe, SENSOR, RADIUS_MM, name="", axis_in_cam=NORMAL)
+    assert "the axis is another one" in reading.reason
+    assert np.isnan(reading.radius_mm)
+
+
+@pytest.mark.parametrize(
+    ("stripe", "said"),
+    [
+        (points_at(np.empty((0, 2)), np.empty((0, 2))), "0 stripe points"),
+        (stripe_on(NORMAL, reach_deg=15.0), "degrees of the section"),
+    ],
+)
+def test_what_is_no_section_is_refused_with_a_reason(stripe, said):
+    reading = judge_cylinder(stripe, SENSOR, RADIUS_MM, name="one")
+    assert said in reading.reason
+    assert np.isnan(reading.radius_mm)
+
+
+def test_jacobian_of_the_distance_is_its_slope(rng):
+    points = rng.normal(size=(20, 2)) * 5.0 + [30.0, 0.0]
+    at = np.array([1.0, 2.0, 28.0, 0.2, -0.3])
+    _, jacobian = _distance(points, at)
+    for place in range(5):
+        step = np.zeros(5)
+        step[place] = 1e-5
+        slope = (_distance(points, at + step)[0] - _distance(points, at - step)[0]) / 2e-5
+        np.testing.assert_allclose(jacobian[:, place], slope, atol=1e-8)
+
+
+def test_radius_owes_to_the_points_what_refitting_says(rng):
+    angle = np.linspace(-1.2, 1.2, 80)
+    points = RADIUS_MM * np.column_stack([np.cos(angle), 1.05 * np.sin(angle)])
+    points += rng.normal(size=points.shape) * 0.003
+    sigma = np.full(len(points), 0.003)
+    guesses = first_guesses(np.zeros(2), RADIUS_MM)
+    fit = fit_section(points, sigma, guesses)
+    moved = points.copy()
+    shift = 1e-4
+    moved[40] += shift * points[40] / np.linalg.norm(points[40])
+    again = fit_section(moved, sigma, [fit.unknowns])
+    change = (again.radius_mm - fit.radius_mm) / shift
+    # The other points' weights follow a little: to second order.
+    assert change == pytest.approx(fit.radius_by_residual[40], rel=0.05)
