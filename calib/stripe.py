@@ -172,6 +172,8 @@ def _settled(
         index, curvature = index[curvature < 0.0], curvature[curvature < 0.0]
         one = profiles.picked(index)
         sigma[index] = sigma_by_eq9(one, noise, kernel)
+        if not one.saturated.any():
+            continue
         clipped = index[one.saturated]
         spread = _spread_over_scales(
             picture, centre[clipped], across[clipped], slope[clipped], kernel

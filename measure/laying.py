@@ -94,7 +94,7 @@ def lay_by_axle(
     outward = section_map.outward_in_rig(wheel.points_in_cam_mm)[:, [0, 2]]
     once, radius = _axle_motions(outward, axle)
     tilts = _tilt_motions(outward, section.points_mm - shift, mounting)
-    offset, yaw = _obliqueness(sensor, section_map, sheet)
+    offset, yaw = _obliqueness(sensor, section_map, wheel)
     return Laid(
         sheet=wheel,
         section=section,

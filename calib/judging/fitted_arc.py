@@ -57,8 +57,8 @@ class FittedArc:
 
     @property
     def scatter_mm(self) -> float:
-        """Robust standard deviation of all points from the mantle."""
-        return float(np.median(np.abs(self.fit.residual_mm))) / 0.6745
+        """Standard deviation of all points from the mantle, by their mean size."""
+        return float(np.mean(np.abs(self.fit.residual_mm)) * np.sqrt(np.pi / 2.0))
 
     @classmethod
     def settled(

@@ -113,6 +113,7 @@ def test_uncertainty_is_the_scatter_where_the_axis_is_known(rng):
         )
         for _ in range(60)
     ]
+    assert {reading.reason for reading in readings} == {""}
     scatter = np.std([reading.radius_mm for reading in readings], ddof=1)
     predicted = np.mean([reading.u95_mm for reading in readings]) / 1.96
     # So few points are too far apart to share noise. Sixty draws pin a scatter to 9 %.

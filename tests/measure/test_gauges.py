@@ -106,6 +106,23 @@ def test_no_reading_leans_on_a_fit_across_a_gap(hole_mm):
         assert abs(off) < 3.0 * found.blind_mm + 0.01
 
 
+def test_a_small_gap_is_bridged_and_said_to_be():
+    points = S1002.points(0.25, back_face_mm=20.0)
+    y, z = points.T
+    hole = (y > -50.0) & (z > 11.0) & (z < 13.5)
+    found = gauged(points[~hole]).found[Quantity.FLANGE_THICKNESS_12]
+    assert found.status is Status.EXTRAPOLATED
+    # 1.1 mm from the nearest point; 0.04 mm a square millimetre, turned by the face's slope.
+    assert found.blind_mm == pytest.approx(0.05, abs=0.02)
+    off = found.estimate.value - S1002.nominal[Quantity.FLANGE_THICKNESS_12]
+    assert abs(off) < 2.0 * found.blind_mm
+
+
+def test_a_wide_gap_is_not_fitted_across():
+    s = np.concatenate([np.arange(-9.0, -4.0, 0.25), np.arange(4.0, 9.0, 0.25)])
+    assert curve_of(np.column_stack([s, 0.1 * s])).fit(np.zeros(2)) is None
+
+
 def test_without_a_flange_there_is_no_datum():
     points = S1002.points(0.25)
     assert gauged(points[points[:, 0] > -34.0]) is None

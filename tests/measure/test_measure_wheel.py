@@ -95,6 +95,16 @@ def test_several_frames_of_a_wheel_are_better_than_one(rng):
     assert wear.u95 > 1.9 * 0.9 * 55.0 * MOUNTING.sigma_axle_direction_rad
 
 
+def test_a_broader_stripe_is_drawn_farther_and_trusted_less(monkeypatch):
+    narrow = measured(ws.stripe_on(ws.Wheel(), SENSOR, RIG)).readings
+    monkeypatch.setattr(ws, "WIDTH_PX", 2.6)
+    broad = measured(ws.stripe_on(ws.Wheel(), SENSOR, RIG)).readings
+    for quantity in ("flange_thickness_10", "flange_gradient_qr"):
+        # Undone to a part: 2.6^2 + 3^2 px² are four times the 1.2^2 + 1.5^2 of before.
+        assert broad[quantity].value == pytest.approx(narrow[quantity].value, abs=0.04)
+        assert broad[quantity].u95 > 1.3 * narrow[quantity].u95
+
+
 def test_frames_that_show_nothing_are_told_and_do_not_harm(rng):
     good = ws.stripe_on(ws.Wheel(), SENSOR, RIG, rng)
     empty = good.select(np.arange(5))
