@@ -11,6 +11,7 @@ from calib.camera_from_views import solve_camera
 from calib.errors import CameraMismatch, TooFewViews
 from calib.joint.method import solve_jointly
 from calib.preplanar import solve_preplanar
+from calib.rival_stripes import settle_stripes
 from calib.sensor import LaserSensor
 from calib.solving import Answer, Prepared
 from calib.start import LEAST_STRIPE_POINTS, has_stripe, usable_views
@@ -131,6 +132,7 @@ def calibrate(
         start, role, camera_warnings = _camera_to_start(
             views, usable, reasons, target, camera, (width, height)
         )
+        views = settle_stripes(views, usable, target, start)
         _require_views(
             [index for index in usable if has_stripe(views[index])],
             reasons,
@@ -164,6 +166,7 @@ def calibrate(
             *camera_warnings,
             *answer.warnings,
         ),
+        seen=tuple(views),
     )
 
 

@@ -9,7 +9,7 @@ from calib.arrays import BoolArray, FloatArray, frozen, read_only
 from calib.camera import CameraModel
 from calib.rigid import RigidTransform
 from calib.sensor import LaserSensor
-from calib.views import Cause
+from calib.views import Cause, View
 
 
 class Method(StrEnum):
@@ -157,6 +157,9 @@ class Calibration:
         Root mean square deviation of the used stripe points, along their normals.
     views, solve, warnings
         Per view, in the order given; how the solve ended; what the reader should know.
+    seen
+        The views as they were used: where a picture shows several lines, its stripe is the one
+        that lies on the light plane of the others.
     """
 
     sensor: LaserSensor
@@ -166,3 +169,4 @@ class Calibration:
     views: tuple[SolvedView, ...]
     solve: SolveReport
     warnings: tuple[str, ...]
+    seen: tuple[View, ...]

@@ -6,7 +6,7 @@ import numpy as np
 from calib.arrays import Picture
 from calib.errors import TargetNotFound
 from calib.noise import PixelNoise
-from calib.stripe_on_board import find_board_stripes, stripe_of_board
+from calib.stripe_on_board import find_board_stripes, stripes_of_board
 from calib.target import Target
 from calib.target_corners import CornerPattern
 from calib.target_dots import DotPattern
@@ -38,7 +38,7 @@ def observe_target(
     -------
     View
         Points and stripe with their sigmas; some points may be missing. `stripe` is None where
-        no line crosses the board.
+        no line crosses the board; where several do, the likeliest, and the others in `rivals`.
 
     Raises
     ------
@@ -75,7 +75,9 @@ def observe_target(
         raise TargetNotFound(_refusal(name, target, seen_text))
     if len(seen) < FEWEST_SEEN * target.rows * target.cols:
         raise TargetNotFound(_refusal(name, target, f"{len(seen)} points are seen"))
-    return View(name, seen.sorted_points(), stripe_of_board(stripes, seen.area(target)))
+    candidates = stripes_of_board(stripes, seen.area(target))
+    likeliest = candidates[0] if candidates else None
+    return View(name, seen.sorted_points(), likeliest, tuple(candidates[1:]))
 
 
 def _refusal(name: str, target: Target, seen: str) -> str:

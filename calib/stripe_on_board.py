@@ -128,8 +128,8 @@ def _stripes_within(
     return BoardStripes(points, lines, off_board=margin_pitches > _NEAR_PITCHES)
 
 
-def stripe_of_board(found: BoardStripes, area: BoardArea) -> StripePoints | None:
-    """Return the points of the likeliest line, thinned until their errors are independent.
+def stripes_of_board(found: BoardStripes, area: BoardArea) -> list[StripePoints]:
+    """Return the points of each line, the likeliest first, thinned until errors are independent.
 
     Parameters
     ----------
@@ -140,14 +140,16 @@ def stripe_of_board(found: BoardStripes, area: BoardArea) -> StripePoints | None
 
     Returns
     -------
-    StripePoints or None
-        None where no line, or too few points of one, are left. Sigma is raised where the points
+    stripes
+        Without lines of which too few points are left. Sigma is raised where the points
         scatter by more than it says: by speckle or the surface's grain. A stripe that nowhere is
         clear of the target's marks is `Cause.CROSSED`.
     """
-    if not found.lines:
-        return None
-    line = found.lines[0]
+    stripes = (_stripe_on(line, found, area) for line in found.lines)
+    return [stripe for stripe in stripes if stripe is not None]
+
+
+def _stripe_on(line: StripeLine, found: BoardStripes, area: BoardArea) -> StripePoints | None:
     for margin in (_CLEAR_OF_MARKS, _OFF_MARKS):
         points = found.points.select(line.member)
         points = points.select(~area.marked(points.centre_px, points.width_px, margin))

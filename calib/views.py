@@ -134,8 +134,10 @@ class View:
     """One picture of the target: its name, the points found, the stripe across the board.
 
     `stripe` is None where the picture shows no stripe; such a picture still serves the camera.
+    `rivals` are other lines across the board that the picture alone cannot tell from the stripe.
     """
 
     name: str
     points: TargetPoints
     stripe: StripePoints | None
+    rivals: tuple[StripePoints, ...] = ()

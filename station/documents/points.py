@@ -27,12 +27,12 @@ POINT_COLUMNS = (
 _NEEDED = POINT_COLUMNS[:8]
 
 
-def points_csv(views: Sequence[View], calibration: Calibration) -> str:
-    """Return the text of points.csv for the views of a calibration."""
+def points_csv(calibration: Calibration) -> str:
+    """Return the text of points.csv of a calibration."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(POINT_COLUMNS)
-    for view, answer in zip(views, calibration.views, strict=True):
+    for view, answer in zip(calibration.seen, calibration.views, strict=True):
         writer.writerows(_dot_rows(view, answer))
         if view.stripe is not None:
             writer.writerows(_stripe_rows(view.name, view.stripe, answer))

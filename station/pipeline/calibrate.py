@@ -81,14 +81,14 @@ def calibrate_sources(
         sensor_covariance=answer.sensor.covariance.tolist(),
         rms=RmsDocument(dots_px=answer.rms_dots_px, stripe_px=answer.rms_stripe_px),
         poses=_poses(answer),
-        quality=gates(answer, seen.views),
+        quality=gates(answer),
         options={"target": str(target), "method": method.value, "camera_given": camera is not None},
         inputs=fingerprints([*sources, *laser_off]),
         warnings=answer.warnings,
         left_out=dict(left_out),
         mounting=MountingDocument.from_settings(mounting) if mounting else None,
     )
-    return CalibrationOutcome(document, points_csv(seen.views, answer), left_out)
+    return CalibrationOutcome(document, points_csv(answer), left_out)
 
 
 def picture_size(seen: Observations, camera: CameraModel | None) -> tuple[int, int]:

@@ -69,11 +69,11 @@ def calibration(view):
     )
     report = SolveReport(Termination.CONVERGED, 1, 0.0, 1.0, 1.0, 0.0, 0.0, CameraRole.HELD)
     sensor = LaserSensor.exact(camera, LightPlane.from_coefficients([0, 0, 1, -500]))
-    return Calibration(sensor, Method.JOINT, 0.1, 0.1, (solved,), report, ())
+    return Calibration(sensor, Method.JOINT, 0.1, 0.1, (solved,), report, (), (view,))
 
 
 def test_points_come_back_as_they_were_written(view, calibration):
-    (back,) = views_from_points(points_csv([view], calibration), TARGET, name="points.csv")
+    (back,) = views_from_points(points_csv(calibration), TARGET, name="points.csv")
     # Six decimals are written.
     np.testing.assert_array_equal(back.points.row, view.points.row)
     np.testing.assert_allclose(back.points.centre_px, view.points.centre_px, atol=6e-7)
@@ -85,7 +85,7 @@ def test_points_come_back_as_they_were_written(view, calibration):
 
 
 def test_rows_tell_correction_use_and_reason(view, calibration):
-    rows = list(csv.DictReader(io.StringIO(points_csv([view], calibration))))
+    rows = list(csv.DictReader(io.StringIO(points_csv(calibration))))
     assert tuple(rows[0]) == POINT_COLUMNS
     assert (rows[0]["used"], rows[0]["reason"]) == ("0", "glare")
     assert float(rows[1]["u_corrected"]) - float(rows[1]["u"]) == pytest.approx(1.0, abs=2e-6)
@@ -95,9 +95,9 @@ def test_rows_tell_correction_use_and_reason(view, calibration):
 def test_view_left_out_has_its_reason_in_every_row(view, calibration):
     left_out = SolvedView(view.name, None, None, None, left_out="too few dots")
     answer = Calibration(
-        calibration.sensor, Method.JOINT, 0.1, 0.1, (left_out,), calibration.solve, ()
+        calibration.sensor, Method.JOINT, 0.1, 0.1, (left_out,), calibration.solve, (), (view,)
     )
-    rows = list(csv.DictReader(io.StringIO(points_csv([view], answer))))
+    rows = list(csv.DictReader(io.StringIO(points_csv(answer))))
     assert {(row["used"], row["reason"]) for row in rows} == {("0", "too few dots")}
 
 
