@@ -26,7 +26,9 @@ from station.progress import Progress
 from station.scenes import Light, paper_sensor
 from station.tables import Table, Value
 
-_PLACEMENTS, _CYLINDERS = 4, 9
+# The paper's four placements; in bad light two more, so that every light is among them.
+_PLACEMENTS = {"good": 4, "bad": len(BAD_LIGHTS)}
+_CYLINDERS = 9
 _LIGHTS = {"good": (Light.GOOD,), "bad": BAD_LIGHTS}
 _NAMES = {"good": "CII", "bad": "CNII"}
 # Tables 4 and 5 of the paper, mm: distances and radius.
@@ -46,8 +48,9 @@ class _Gauges:
     cylinders: Sequence[SeenCylinder]
 
     @classmethod
-    def seen(cls, sensor: LaserSensor, lights: Sequence[Light], seed: int) -> "_Gauges":
-        targets = see_targets(sensor, lights, _PLACEMENTS, [seed, 1])
+    def seen(cls, sensor: LaserSensor, quality: str, seed: int) -> "_Gauges":
+        lights = _LIGHTS[quality]
+        targets = see_targets(sensor, lights, _PLACEMENTS[quality], [seed, 1])
         return cls(
             [seen.view for seen in targets], see_cylinders(sensor, lights, _CYLINDERS, [seed, 2])
         )
@@ -67,9 +70,9 @@ def bench_paper(progress: Progress, *, poses: int = 20, seed: int = 1) -> Table:
     """
     sensor = paper_sensor()
     gauges = {}
-    for place, (quality, lights) in enumerate(_LIGHTS.items()):
+    for place, quality in enumerate(_LIGHTS):
         progress(0.15 * place, f"gauges in {quality} light")
-        gauges[quality] = _Gauges.seen(sensor, lights, seed)
+        gauges[quality] = _Gauges.seen(sensor, quality, seed)
     rows: list[dict[str, Value]] = []
     for place, (quality, lights) in enumerate(_LIGHTS.items()):
         progress(0.3 + 0.35 * place, f"calibrating in {quality} light")
@@ -91,9 +94,10 @@ def _notes(poses: int, seed: int) -> tuple[str, ...]:
     return (
         f"{poses} pictures of {TARGET} a calibration, camera known, seed {seed}: CII in good "
         "light, CNII in the six bad lights in turn, DC with deviations corrected. All are tried "
-        f"on the same {_PLACEMENTS} placements of the target and {_CYLINDERS} of a cylinder of "
-        f"{RADIUS_MM:g} mm radius, once in good light and once in the bad ones. A stripe that is "
-        "none of the sheet's (a second one in stray light) is left out of the distances.",
+        f"on the same {_PLACEMENTS['good']} placements of the target in good light and "
+        f"{_PLACEMENTS['bad']} in bad, and {_CYLINDERS} each of a cylinder of {RADIUS_MM:g} mm "
+        "radius. Left out: placements whose stripe is none of the sheet's, as a second one in "
+        "stray light.",
         "Axis known: the direction of the cylinder's axis is held at the truth, as a fixture "
         "gives it. Axis free: found with the radius, of which an arc of 150 degrees tells it "
         "hardly apart: the true sensor does no better.",
@@ -119,6 +123,7 @@ def _row(
     row: dict[str, Value] = {"calibration": name}
     for quality, gauge in gauges.items():
         row[f"distances, {quality}"] = _distances_rms(gauge, sensor)
+    row["left out, bad"] = _left_out(gauges["bad"], sensor)
     row["distances, paper"] = paper[0]
     for quality, gauge in gauges.items():
         row[f"radius, {quality}, axis known"] = _radius_rms(gauge, sensor, axis_known=True)
@@ -132,6 +137,14 @@ def _distances_rms(gauges: _Gauges, sensor: LaserSensor | None) -> Value:
         return "refused"
     placements = judge_distances(gauges.placements, TARGET, sensor)
     return _rms([error for placement in placements for error in placement.errors_mm.tolist()])
+
+
+def _left_out(gauges: _Gauges, sensor: LaserSensor | None) -> Value:
+    if sensor is None:
+        return "refused"
+    placements = judge_distances(gauges.placements, TARGET, sensor)
+    unmeasured = sum(bool(placement.reason) for placement in placements)
+    return unmeasured + _PLACEMENTS["bad"] - len(placements)
 
 
 def _radius_rms(gauges: _Gauges, sensor: LaserSensor | None, *, axis_known: bool) -> Value:

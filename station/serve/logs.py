@@ -18,7 +18,8 @@ def log_as(process: str) -> None:
     """Set up logging in a process of the station."""
     structlog.configure(
         processors=[*_SHARED, structlog.processors.JSONRenderer()],
-        logger_factory=structlog.WriteLoggerFactory(file=sys.stderr),
+        # Asked anew for every line: who replaces stderr afterwards gets what is logged afterwards.
+        logger_factory=lambda *_: structlog.WriteLogger(sys.stderr),
         cache_logger_on_first_use=False,
     )
     structlog.contextvars.clear_contextvars()

@@ -3,11 +3,14 @@
 Sections are traced in space from a known cylinder, and drawn inwards as a blur draws them.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from synthetic_views import PAPER_SENSOR
 
-from calib import Cause, LaserSensor, StripePoints, judge_cylinder
+from calib import Cause, LaserSensor, SheetFrame, StripePoints, judge_cylinder
+from calib.judging.arc import points_of_arc
 from calib.judging.section import _distance, first_guesses, fit_section
 from calib.stripe import kernel_of
 
@@ -151,6 +154,19 @@ def test_straight_edges_and_wide_ones_are_not_taken_for_the_section(rng):
     alone = judge_cylinder(stripe, SENSOR, RADIUS_MM, name="", axis_in_cam=axis)
     among = judge_cylinder(joined(edge, stripe, lamp), SENSOR, RADIUS_MM, name="", axis_in_cam=axis)
     assert among.radius_mm == pytest.approx(alone.radius_mm, abs=0.01)
+
+
+def test_only_the_lasers_own_points_on_the_section_are_picked():
+    stripe = stripe_on(tilted_axis(10.0))
+    fading = replace(stripe.select(np.arange(5)), peak=np.full(5, 20.0))
+    lamp = points_at(stripe.centre_px[-8:], stripe.normal[-8:], width_px=6.0)
+    # Scratches across the stripe: on the section, but not along it.
+    across = np.column_stack([-stripe.normal[:, 1], stripe.normal[:, 0]])[20:40]
+    scratches = points_at(stripe.centre_px[20:40], across)
+    picked, _ = points_of_arc(
+        joined(stripe, fading, lamp, scratches), SENSOR, SheetFrame.of(SENSOR.plane), RADIUS_MM
+    )
+    np.testing.assert_array_equal(picked, np.arange(len(picked)) < len(stripe))
 
 
 def test_wrong_axis_is_recognised(rng):
