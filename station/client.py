@@ -86,6 +86,10 @@ class StationClient:
         self._await(f"/v1/jobs/{_part(ordered['job'])}", timeout_s)
         return self._call("GET", f"/v1/calibrations/{_part(ordered['id'])}")
 
+    def calibration_points(self, calibration_id: str) -> str:
+        """Return points.csv of a calibration."""
+        return self._send("GET", f"/v1/calibrations/{_part(calibration_id)}/points").text
+
     def activate(self, *, sensor: str, calibration: str) -> Answer:
         """Bring a first calibration into force on a sensor."""
         return self._call(
@@ -115,11 +119,21 @@ class StationClient:
         body: Answer | None = None,
         headers: Mapping[str, str] | None = None,
     ) -> Answer:
-        reply = self._http.request(method, path, json=body, headers=headers)
-        answer: Answer = reply.json()
-        if reply.is_error:
-            raise CallRefused(reply.status_code, str(answer.get("detail", answer)))
+        answer: Answer = self._send(method, path, body, headers).json()
         return answer
+
+    def _send(
+        self,
+        method: str,
+        path: str,
+        body: Answer | None = None,
+        headers: Mapping[str, str] | None = None,
+    ) -> httpx.Response:
+        reply = self._http.request(method, path, json=body, headers=headers)
+        if reply.is_error:
+            answer = reply.json()
+            raise CallRefused(reply.status_code, str(answer.get("detail", answer)))
+        return reply
 
 
 def _part(name: str) -> str:

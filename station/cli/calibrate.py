@@ -14,7 +14,7 @@ from station.documents import (
     MountingDocument,
     write_whole,
 )
-from station.errors import NothingMeasurable
+from station.errors import InputUnusable, NothingMeasurable
 from station.pipeline import calibrate_sources
 from station.report import calibration_report
 
@@ -25,6 +25,12 @@ def calibrate(
     out: Annotated[Path, typer.Option(metavar="FILE", help="calibration.json to write.")],
     camera: Annotated[
         Path | None, typer.Option(metavar="FILE", help="camera.json; solved with the rest without.")
+    ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WIDTHxHEIGHT", help="Size of the pictures, where only points are given."
+        ),
     ] = None,
     method: Annotated[Method, typer.Option(help="How the light plane is solved.")] = Method.JOINT,
     laser_off: Annotated[
@@ -52,6 +58,7 @@ def calibrate(
             Target.parse(target),
             sensor=sensor,
             camera=CameraDocument.read(camera).model() if camera else None,
+            size_px=_size_px(size) if size else None,
             method=method,
             laser_off=laser_off or (),
             mounting=MountingDocument.read(mounting).settings() if mounting else None,
@@ -70,6 +77,13 @@ def calibrate(
             f"{out} was written but fails the gates {', '.join(failed)}; look at the pictures "
             "named in it, take more poses, then calibrate again"
         )
+
+
+def _size_px(text: str) -> tuple[int, int]:
+    width, times, height = text.partition("x")
+    if not (times and width.isdigit() and height.isdigit() and int(width) * int(height) > 0):
+        raise InputUnusable(f"size {text!r} does not parse; allowed: WIDTHxHEIGHT, as 2048x1088")
+    return int(width), int(height)
 
 
 def _text(document: CalibrationDocument, out: Path) -> str:

@@ -3,22 +3,26 @@
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 from calib import Method
 from station.client import Answer, StationClient
 from station.demo.judgement import PlaneJudgement, WheelJudgement, judge_plane, judge_wheels
 from station.demo.rendering import frames_path, render_scenario
-from station.demo.scenario import TARGET, Scenario, SensorTruth
+from station.demo.scenario import REFERENCE, TARGET, Scenario, SensorTruth
 from station.demo.trackside import await_ready, cameras_of, roll_train_by, station_of
-from station.documents import CalibrationDocument, WheelDocument
+from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
 from station.errors import StationError
 from station.operations import DataLayout
-from station.pipeline import measure_sources
+from station.pipeline import calibrate_sources, measure_sources
 from station.progress import Progress
 from station.simulated import SimulatedCameraProcess
 
 PASS_ID = "demo-train"
+IN_FORCE = Method.JOINT
+"""The method whose calibrations measure the train; the others solve the same points beside it."""
+
 _JOB_PATIENCE_S = 120.0
 
 
@@ -50,6 +54,15 @@ class DemoResult:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What the station found for one sensor."""
+
+    document: CalibrationDocument
+    points_csv: str
+    results: MeasurementDocument
+
+
 def run_demo(folder: Path, seed: int, progress: Progress) -> DemoResult:
     """Play the demo; recordings, calibrations and results are left in `folder`.
 
@@ -68,58 +81,47 @@ def run_demo(folder: Path, seed: int, progress: Progress) -> DemoResult:
         ):
             progress(0.28, "waiting for the station")
             await_ready(station, client)
-            accounts = _record_targets(scenario, client, cameras, progress)
-            solved = _calibrate(scenario, client, progress)
+            accounts, answers = _calibrate_all(scenario, client, progress)
             accounts += _record_train(scenario, client, cameras, progress)
-            live = _wheels_by_sensor(client)
+            kept = _keep(client, answers)
             progress(0.88, "stopping the station")
             station.stop()  # before its cameras go dark
     for truth in scenario.sensors:
         frames_path(folder, truth.id).unlink()
-    progress(0.9, "measuring with the other calibrations")
-    return _judge(scenario, folder, accounts, solved, live)
+    return _judge(scenario, folder, accounts, kept, progress)
 
 
-Solved = Mapping[tuple[str, Method], CalibrationDocument]
+def _calibrate_all(
+    scenario: Scenario, client: StationClient, progress: Progress
+) -> tuple[list[FrameAccount], dict[str, Answer]]:
+    """Take the pictures and have them calibrated, all sensors at once; activate the answers."""
 
-
-def _record_targets(
-    scenario: Scenario,
-    client: StationClient,
-    cameras: Mapping[str, SimulatedCameraProcess],
-    progress: Progress,
-) -> list[FrameAccount]:
-    accounts = []
-    for truth in scenario.sensors:
-        client.open_calibration_session(_session(truth), sensor=truth.id, target=str(TARGET))
-        for taken in range(1, len(truth.poses) + 1):
-            client.capture(_session(truth))
-            progress(0.3, f"{truth.id} pose {taken} of {len(truth.poses)}")
-        closed = client.finish_calibration_session(_session(truth))
-        accounts += _accounts(closed, {truth.id: len(truth.poses)})
-    return accounts
-
-
-def _calibrate(scenario: Scenario, client: StationClient, progress: Progress) -> Solved:
-    orders = [(truth, method) for truth in scenario.sensors for method in Method]
-
-    def solve(order: tuple[SensorTruth, Method]) -> Answer:
-        truth, method = order
-        return client.calibrate(
-            sensor=truth.id, session=_session(truth), method=method, timeout_s=_JOB_PATIENCE_S
+    def calibrate(truth: SensorTruth) -> tuple[list[FrameAccount], Answer]:
+        accounts = _record_target(truth, client)
+        answer = client.calibrate(
+            sensor=truth.id,
+            session=_session(truth),
+            method=IN_FORCE,
+            timeout_s=_JOB_PATIENCE_S,
         )
+        client.activate(sensor=truth.id, calibration=answer["id"])
+        return accounts, answer
 
-    solved = {}
-    with ThreadPoolExecutor(len(orders)) as pool:
-        for done, (order, answer) in enumerate(
-            zip(orders, pool.map(solve, orders), strict=True), start=1
-        ):
-            truth, method = order
-            solved[truth.id, method] = _document(answer)
-            if method is Method.JOINT:
-                client.activate(sensor=truth.id, calibration=answer["id"])
-            progress(0.4 + 0.3 * done / len(orders), f"{truth.id} calibrated, {method}")
-    return solved
+    progress(0.3, "recording poses and calibrating")
+    with ThreadPoolExecutor(len(scenario.sensors)) as pool:
+        outcomes = list(pool.map(calibrate, scenario.sensors))
+    accounts = [account for found, _ in outcomes for account in found]
+    answers = [answer for _, answer in outcomes]
+    return accounts, {s.id: answer for s, answer in zip(scenario.sensors, answers, strict=True)}
+
+
+def _record_target(truth: SensorTruth, client: StationClient) -> list[FrameAccount]:
+    session = _session(truth)
+    client.open_calibration_session(session, sensor=truth.id, target=str(TARGET))
+    for _ in truth.poses:
+        client.capture(session)
+    closed = client.finish_calibration_session(session)
+    return _accounts(closed, {truth.id: len(truth.poses)})
 
 
 def _record_train(
@@ -137,34 +139,61 @@ def _record_train(
     return _accounts(closed, triggers)
 
 
-def _wheels_by_sensor(client: StationClient) -> dict[str, list[WheelDocument]]:
-    wheels: dict[str, list[WheelDocument]] = {}
-    for row in client.wheels(PASS_ID):
-        wheel = WheelDocument.model_validate(row["wheel"])
-        wheels.setdefault(wheel.sensor, []).append(wheel)
-    return wheels
+def _keep(client: StationClient, answers: Mapping[str, Answer]) -> dict[str, Kept]:
+    """Fetch what the station found: calibrations, their points, the wheels of the pass."""
+    rows = client.wheels(PASS_ID)
+    kept = {}
+    for sensor_id, answer in answers.items():
+        document = _document(answer)
+        wheels = [row["wheel"] for row in rows if row["sensor"] == sensor_id]
+        results = MeasurementDocument(
+            created=datetime.now(UTC),
+            software=document.software,
+            calibration=document.fingerprint,
+            reference=REFERENCE,
+            wheels=tuple(WheelDocument.model_validate(wheel) for wheel in wheels),
+        )
+        kept[sensor_id] = Kept(document, client.calibration_points(answer["id"]), results)
+    return kept
 
 
 def _judge(
     scenario: Scenario,
     folder: Path,
     accounts: list[FrameAccount],
-    solved: Solved,
-    live: Mapping[str, list[WheelDocument]],
+    kept: Mapping[str, Kept],
+    progress: Progress,
 ) -> DemoResult:
     planes, wheels = [], []
     for truth in scenario.sensors:
         for method in Method:
-            document = solved[truth.id, method]
+            progress(0.9, f"{truth.id}, {method}")
+            document, results = _answers(truth, method, folder, kept[truth.id])
             document.write(folder / f"calibration-{truth.id}-{method}.json")
-            planes.append(judge_plane(truth, document))
-            results = measure_sources([_recording(truth, folder)], document)
             results.write(folder / f"results-{truth.id}-{method}.json")
-            # The joint calibration was in force: its readings are the station's own.
-            in_force = method is Method.JOINT
-            read = live.get(truth.id, []) if in_force else list(results.wheels)
-            wheels += judge_wheels(truth, method, read)
+            planes.append(judge_plane(truth, document))
+            wheels += judge_wheels(truth, method, results.wheels)
     return DemoResult(scenario.seed, tuple(accounts), tuple(planes), tuple(wheels))
+
+
+def _answers(
+    truth: SensorTruth, method: Method, folder: Path, kept: Kept
+) -> tuple[CalibrationDocument, MeasurementDocument]:
+    """Return the station's own answer, or solve the same points by another method and measure."""
+    if method is IN_FORCE:
+        return kept.document, kept.results
+    points = folder / f"points-{truth.id}.csv"
+    points.write_text(kept.points_csv, encoding="utf-8")
+    camera = kept.document.camera
+    document = calibrate_sources(
+        [points],
+        TARGET,
+        sensor=truth.id,
+        size_px=(camera.width, camera.height),
+        method=method,
+        mounting=kept.document.mounting.settings() if kept.document.mounting else None,
+    ).document
+    return document, measure_sources([_recording(truth, folder)], document)
 
 
 def _recording(truth: SensorTruth, folder: Path) -> Path:

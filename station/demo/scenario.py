@@ -17,6 +17,7 @@ from station.scenes import (
 )
 
 TARGET = Target.parse("dots:7x8:12:d=6")
+REFERENCE = "S1002"
 POSES = 20
 AXLES = 4
 OFFSETS_MM = (-24.0, -2.0, 20.0)
@@ -97,7 +98,7 @@ def _mixed_lights() -> list[Light]:
 
 def _draw_wheel(rng: np.random.Generator) -> WheelTruth:
     return WheelTruth(
-        reference="S1002",
+        reference=REFERENCE,
         tread_wear_mm=float(rng.uniform(0.0, 6.0)),
         flange_wear_mm=float(rng.uniform(0.0, 4.0)),
         radius_mm=420.0 + float(rng.normal(0.0, 3.0)),

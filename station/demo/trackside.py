@@ -14,7 +14,7 @@ from pathlib import Path
 
 from station.client import StationClient
 from station.demo.rendering import RenderedFrames, frames_path
-from station.demo.scenario import Scenario, SensorTruth
+from station.demo.scenario import REFERENCE, Scenario, SensorTruth
 from station.errors import StationError
 from station.simulated import SimulatedCameraProcess
 
@@ -127,7 +127,12 @@ def _free_port() -> int:
 
 
 def _settings_toml(scenario: Scenario, folder: Path, port: int) -> str:
-    lines = ['name = "demo"', f'data_dir = "{folder}"', f"port = {port}", 'reference = "S1002"']
+    lines = [
+        'name = "demo"',
+        f'data_dir = "{folder}"',
+        f"port = {port}",
+        f'reference = "{REFERENCE}"',
+    ]
     for truth in scenario.sensors:
         mounting = truth.rig_from_camera
         lines += [

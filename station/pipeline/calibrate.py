@@ -43,12 +43,16 @@ def calibrate_sources(
     *,
     sensor: str | None = None,
     camera: CameraModel | None = None,
+    size_px: tuple[int, int] | None = None,
     method: Method = Method.JOINT,
     laser_off: Sequence[Path] = (),
     mounting: MountingSettings | None = None,
     progress: Progress = silent,
 ) -> CalibrationOutcome:
     """Calibrate a sensor from pictures, recordings or points.csv.
+
+    `size_px`, width and height of the pictures, is needed where points are given without pictures
+    and without a camera.
 
     Raises
     ------
@@ -65,7 +69,7 @@ def calibrate_sources(
         laser_off=laser_off,
         progress=lambda part, what: progress(0.9 * part, what),
     )
-    width, height = picture_size(seen, camera)
+    width, height = picture_size(seen, camera, size_px)
     progress(0.9, f"solving {method}")
     answer = calibrate(seen.views, target, width=width, height=height, camera=camera, method=method)
     left_out = (*seen.left_out, *((v.name, v.left_out) for v in answer.views if v.left_out))
@@ -91,8 +95,10 @@ def calibrate_sources(
     return CalibrationOutcome(document, points_csv(answer), left_out)
 
 
-def picture_size(seen: Observations, camera: CameraModel | None) -> tuple[int, int]:
-    """Return width and height of the pictures observed, px.
+def picture_size(
+    seen: Observations, camera: CameraModel | None, size_px: tuple[int, int] | None = None
+) -> tuple[int, int]:
+    """Return width and height of the pictures observed, px; `size_px` where only points are.
 
     Raises
     ------
@@ -100,11 +106,14 @@ def picture_size(seen: Observations, camera: CameraModel | None) -> tuple[int, i
         If they are not of the camera's size, or neither pictures nor camera tell one.
     """
     if camera is None:
-        if seen.width is None or seen.height is None:
+        if seen.width is not None and seen.height is not None:
+            return seen.width, seen.height
+        if size_px is None:
             raise InputUnusable(
-                "points alone do not tell the size of the pictures; give --camera camera.json"
+                "points alone do not tell the size of the pictures; give --camera camera.json or "
+                "--size WIDTHxHEIGHT"
             )
-        return seen.width, seen.height
+        return size_px
     if seen.width is not None and (seen.width, seen.height) != (camera.width, camera.height):
         raise InputUnusable(
             f"pictures of {seen.width} x {seen.height} px but a camera of {camera.width} x "
