@@ -24,7 +24,7 @@ LEAST_DOTS = 6
 # A line has two unknowns; fewer than five points cannot outvote one false one.
 LEAST_STRIPE_POINTS = 5
 # A board whose points miss by this part of their spacing is not this board.
-_MOST_MISS = 0.3
+_MOST_MISS = 0.5
 # Distortion bends a picture by up to this part of the target's extent in it.
 _BEND = 0.01
 _MOST_CANDIDATES = 500

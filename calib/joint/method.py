@@ -36,9 +36,14 @@ def solve_jointly(prepared: Prepared) -> Answer:
         prepared.on_line,
     )
     estimate = Estimate.start(prepared.camera, prepared.plane, list(prepared.poses))
+    let_in = np.zeros(len(prepared.views), dtype=bool)
     for _ in range(_ROUNDS):
         solution = solve(problem, estimate, near=True)
-        fitting = believable_stripes(problem, solution)
+        believable = believable_stripes(problem, solution)
+        # Left out and then found true, a stripe stays in: once it holds its pose almost alone,
+        # the leverage formula has nothing left to judge it by.
+        let_in |= believable & ~problem.stripe_in
+        fitting = believable | let_in
         if (fitting == problem.stripe_in).all() or fitting.sum() < 2:
             break
         problem, estimate = replace(problem, stripe_in=fitting), solution.estimate
