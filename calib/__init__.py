@@ -37,14 +37,14 @@ from calib.judging.cylinder import CylinderReading, judge_cylinder
 from calib.judging.distances import PlacementDistances, judge_distances
 from calib.judging.leave_one_out import LeftOutPose, judge_leaving_out
 from calib.judging.repeatability import Repeatability, judge_repeatability
-from calib.noise import PixelNoise
-from calib.observe import observe_target
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
+from calib.seeing.noise import PixelNoise
+from calib.seeing.observe import observe_target
+from calib.seeing.stripe import kernel_of, locate_stripe
 from calib.sensor import SENSOR_PARAMETERS, LaserSensor
 from calib.sheet_frame import SheetFrame
 from calib.sheet_table import SheetTable
-from calib.stripe import kernel_of, locate_stripe
 from calib.target import Target
 from calib.views import Cause, StripePoints, TargetPoints, View
 

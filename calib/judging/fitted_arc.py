@@ -11,9 +11,9 @@ from calib.judging.section import (
     first_guesses,
     fit_section,
 )
+from calib.seeing.stripe import kernel_of
 from calib.sensor import LaserSensor
 from calib.sheet_frame import SheetFrame
-from calib.stripe import kernel_of
 from calib.views import StripePoints
 
 _ROUNDS = 3

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from calib import PixelNoise, disc, saddle
-from calib.ellipse import Ellipses, fit_ellipses
-from calib.patch_fit import Patches, fit_patches
+from calib.seeing.ellipse import Ellipses, fit_ellipses
+from calib.seeing.patch_fit import Patches, fit_patches
 
 SIDE = np.arange(-16, 17)
 OFFSET = np.stack(np.meshgrid(SIDE, SIDE), axis=-1).reshape(-1, 2)

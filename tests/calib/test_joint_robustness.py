@@ -192,9 +192,9 @@ def test_neighbours_that_repeat_each_other_do_not_promise_too_much(rng):
 
 
 def test_true_stripes_are_let_in_where_noisy_dots_put_them_off_the_sheet(rng):
-    # Dots of 5 px put the stripes of 0.1 px up to a hundred of their sigmas off.
-    for _ in range(8):
+    # Dots of 2 px put the stripes of 0.1 px up to a hundred of their sigmas off.
+    for _ in range(12):
         place = setting(rng, 10)
-        views = place.views(rng, dots_px=5.0, stripe_px=0.1)
+        views = place.views(rng, dots_px=2.0, stripe_px=0.1)
         found = calibrate(views, place.target, **SIZE, camera=PAPER_CAMERA)
         assert all(view.stripe.used.mean() > 0.8 for view in found.views)

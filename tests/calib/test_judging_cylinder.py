@@ -12,7 +12,7 @@ from synthetic_views import PAPER_SENSOR
 from calib import Cause, LaserSensor, SheetFrame, StripePoints, judge_cylinder
 from calib.judging.arc import points_of_arc
 from calib.judging.section import _distance, first_guesses, fit_section
-from calib.stripe import kernel_of
+from calib.seeing.stripe import kernel_of
 
 RADIUS_MM = 30.0
 WIDTH_PX = 1.2

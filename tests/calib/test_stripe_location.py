@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.special import ndtr
 
 from calib import PixelNoise, locate_stripe
-from calib.stripe import kernel_of
+from calib.seeing.stripe import kernel_of
 
 SHAPE = (320, 1300)
 U = np.arange(SHAPE[1], dtype=float)

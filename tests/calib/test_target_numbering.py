@@ -6,8 +6,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from calib.homography import apply_homography
-from calib.lattice import find_lattice
-from calib.numbering import inside_target, number
+from calib.seeing.lattice import find_lattice
+from calib.seeing.numbering import inside_target, number
 
 ROWS, COLS = 7, 8
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from calib.arrays import FloatArray
-from calib.ellipse import Ellipses
+from calib.seeing.ellipse import Ellipses
 
 U, V = 0, 1
 Q11, Q12, Q22 = 2, 3, 4

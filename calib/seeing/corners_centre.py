@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import saddle
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
-from calib.lattice import Lattice
-from calib.noise import PixelNoise
-from calib.patch_fit import SCALES_PX, Patches, PatchFit, fit_patches, spread_over_scales
-from calib.resample import box_smoothed
-from calib.stripe_lines import StripeLine, lit_by
+from calib.seeing import saddle
+from calib.seeing.lattice import Lattice
+from calib.seeing.noise import PixelNoise
+from calib.seeing.patch_fit import SCALES_PX, Patches, PatchFit, fit_patches, spread_over_scales
+from calib.seeing.resample import box_smoothed
+from calib.seeing.stripe_lines import StripeLine, lit_by
 from calib.views import Cause
 
 _PATCH_PITCHES, _LARGEST_PATCH_PX, _SMALLEST_PATCH_PX = 0.38, 11.0, 3.5

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import disc
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
-from calib.ellipse import Ellipses
-from calib.noise import PixelNoise
-from calib.patch_fit import (
+from calib.seeing import disc
+from calib.seeing.ellipse import Ellipses
+from calib.seeing.noise import PixelNoise
+from calib.seeing.patch_fit import (
     SCALES_PX,
     Patches,
     PatchFit,
@@ -16,8 +16,8 @@ from calib.patch_fit import (
     masked_median,
     spread_over_scales,
 )
-from calib.resample import box_smoothed
-from calib.stripe_lines import StripeLine, lit_by
+from calib.seeing.resample import box_smoothed
+from calib.seeing.stripe_lines import StripeLine, lit_by
 
 _EDGE_REACH_PX = 4.5
 _START_BLUR_PX = 1.5

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
-from calib.noise import PixelNoise
-from calib.resample import Float32Array, shrunk
-from calib.ridge import Ridge, gaussian_rows
-from calib.stripe_order import order_along
+from calib.seeing.noise import PixelNoise
+from calib.seeing.resample import Float32Array, shrunk
+from calib.seeing.ridge import Ridge, gaussian_rows
+from calib.seeing.stripe_order import order_along
 
 _SHRINK, _SHRINK_SMALL = 4, 2
 """A stripe 1.5 to 8 px wide becomes one of 0.4 to 2, and its noise falls to a quarter. In a small

@@ -5,11 +5,11 @@ import numpy as np
 
 from calib.arrays import Picture
 from calib.errors import TargetNotFound
-from calib.noise import PixelNoise
-from calib.stripe_on_board import find_board_stripes, stripes_of_board
+from calib.seeing.noise import PixelNoise
+from calib.seeing.stripe_on_board import find_board_stripes, stripes_of_board
+from calib.seeing.target_corners import CornerPattern
+from calib.seeing.target_dots import DotPattern
 from calib.target import Target
-from calib.target_corners import CornerPattern
-from calib.target_dots import DotPattern
 from calib.views import View
 
 FEWEST_SEEN = 0.5

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
-from calib.ellipse import Ellipses
 from calib.homography import apply_homography
-from calib.noise import PixelNoise
-from calib.stripe import kernel_of, locate_stripe
-from calib.stripe_lines import StripeLine, find_lines
+from calib.seeing.ellipse import Ellipses
+from calib.seeing.noise import PixelNoise
+from calib.seeing.stripe import kernel_of, locate_stripe
+from calib.seeing.stripe_lines import StripeLine, find_lines
 from calib.views import Cause, StripePoints
 
 _NEAR_PITCHES = 1.1

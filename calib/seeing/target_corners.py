@@ -4,16 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.agreement import agreeing
 from calib.arrays import Picture
-from calib.corners_centre import measure_corners
-from calib.corners_find import find_corners
-from calib.lattice import Lattice, find_lattice
-from calib.noise import PixelNoise
-from calib.numbering import inside_target, number
-from calib.seen import SeenTarget
-from calib.stripe_lines import StripeLine
-from calib.stripe_on_board import BoardArea
+from calib.seeing.agreement import agreeing
+from calib.seeing.corners_centre import measure_corners
+from calib.seeing.corners_find import find_corners
+from calib.seeing.lattice import Lattice, find_lattice
+from calib.seeing.noise import PixelNoise
+from calib.seeing.numbering import inside_target, number
+from calib.seeing.seen import SeenTarget
+from calib.seeing.stripe_lines import StripeLine
+from calib.seeing.stripe_on_board import BoardArea
 from calib.target import Target
 
 

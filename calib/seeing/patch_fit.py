@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
-from calib.noise import SATURATED_FROM, PixelNoise
-from calib.resample import Float32Array, smoothed
+from calib.seeing.noise import SATURATED_FROM, PixelNoise
+from calib.seeing.resample import Float32Array, smoothed
 
 Evaluate = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
 """(parameters (N, P), places (K, 2)) -> brightness (N, K), derivatives (N, P, K)

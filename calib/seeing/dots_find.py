@@ -3,9 +3,9 @@
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, Picture
-from calib.ellipse import Ellipses, fit_ellipses
-from calib.noise import PixelNoise
-from calib.resample import Float32Array, sampled, shrunk, smoothed, tops
+from calib.seeing.ellipse import Ellipses, fit_ellipses
+from calib.seeing.noise import PixelNoise
+from calib.seeing.resample import Float32Array, sampled, shrunk, smoothed, tops
 
 SMALLEST_RADIUS_PX, LARGEST_RADIUS_PX = 4.0, 45.0
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
-from calib.noise import SATURATED_FROM
-from calib.resample import Float32Array, sampled
+from calib.seeing.noise import SATURATED_FROM
+from calib.seeing.resample import Float32Array, sampled
 
 _ITERATIONS = 3
 _MORE_IF_CLIPPED = 8

@@ -12,7 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from calib.arrays import BoolArray, FloatArray, IntArray
-from calib.resample import Float32Array
+from calib.seeing.resample import Float32Array
 
 KERNEL_REACH = 3.6
 """Half-width of a kernel in sigmas; beyond it lies 0.03 % of a Gaussian."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import FloatArray, IntArray
-from calib.ellipse import Ellipses
-from calib.stripe_on_board import BoardArea
+from calib.seeing.ellipse import Ellipses
+from calib.seeing.stripe_on_board import BoardArea
 from calib.target import Target
 from calib.views import Cause, TargetPoints
 

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, Picture
-from calib.noise import PixelNoise
-from calib.resample import sampled, shrunk, smoothed, tops
+from calib.seeing.noise import PixelNoise
+from calib.seeing.resample import sampled, shrunk, smoothed, tops
 
 _LARGEST_SIDE_PX = 1100
 _KERNEL_PX = 2.0

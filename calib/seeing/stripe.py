@@ -3,12 +3,12 @@
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
-from calib.noise import PixelNoise
-from calib.resample import shrunk
-from calib.ridge import FRACTIONS, inside, kernel_radius, ridge_between_pixels, windows_at
-from calib.stripe_order import running_mean
-from calib.stripe_profile import Profiles, fit_profiles, sample_across
-from calib.stripe_seeds import StripeSeeds, find_seeds
+from calib.seeing.noise import PixelNoise
+from calib.seeing.resample import shrunk
+from calib.seeing.ridge import FRACTIONS, inside, kernel_radius, ridge_between_pixels, windows_at
+from calib.seeing.stripe_order import running_mean
+from calib.seeing.stripe_profile import Profiles, fit_profiles, sample_across
+from calib.seeing.stripe_seeds import StripeSeeds, find_seeds
 from calib.views import Cause, StripePoints
 
 KERNELS_PX = (1.5, 2.1, 3.0, 4.2, 6.0)

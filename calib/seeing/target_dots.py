@@ -4,17 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.agreement import agreeing
 from calib.arrays import BoolArray, IntArray, Picture
-from calib.dots_centre import DotCentres, measure_dots
-from calib.dots_find import find_dots
-from calib.ellipse import Ellipses
-from calib.lattice import Lattice, find_lattice
-from calib.noise import PixelNoise
-from calib.numbering import inside_target, number
-from calib.seen import SeenTarget
-from calib.stripe_lines import StripeLine
-from calib.stripe_on_board import BoardArea
+from calib.seeing.agreement import agreeing
+from calib.seeing.dots_centre import DotCentres, measure_dots
+from calib.seeing.dots_find import find_dots
+from calib.seeing.ellipse import Ellipses
+from calib.seeing.lattice import Lattice, find_lattice
+from calib.seeing.noise import PixelNoise
+from calib.seeing.numbering import inside_target, number
+from calib.seeing.seen import SeenTarget
+from calib.seeing.stripe_lines import StripeLine
+from calib.seeing.stripe_on_board import BoardArea
 from calib.target import Target
 from calib.views import Cause
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.homography import apply_homography
-from calib.numbering import inside_target, number
+from calib.seeing.numbering import inside_target, number
 
 Node = tuple[int, int]
 
