@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from calib import BoolArray, FloatArray, LaserSensor, Picture, RigidTransform
-from station.scenes.light import RECIPES, Light, LightRecipe
+from calib import BoolArray, FloatArray, LaserSensor, RigidTransform
+from station.scenes.light import Light
 from station.scenes.patch import Counts, Window
 from station.scenes.physics import Physics
 from station.scenes.rays import ray_map
+from station.scenes.scene import Scene
 from station.scenes.sheet import LaserSheet
-from station.scenes.surroundings import stray_spots, surroundings
 from station.scenes.texture import speckle
 
 _MARGIN_PX = 8
@@ -23,7 +23,7 @@ _TRIES = 2000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CylinderScene:
+class CylinderScene(Scene):
     """A matt cylinder before the sensor; the truth is in its own fields.
 
     Attributes
@@ -70,34 +70,11 @@ class CylinderScene:
                 f"the cylinder must stand before the camera; it reaches depth {nearest_mm:.1f} mm"
             )
 
-    @property
-    def recipe(self) -> LightRecipe:
-        """The levels of the light."""
-        return RECIPES[self.light]
-
-    def light_counts(self) -> Counts:
-        """Return the light on the sensor at exposure 1, free of noise, shape (height, width)."""
+    def _add_subject(self, frame: Counts, by_chance: np.random.Generator) -> None:
         camera = self.sensor.camera
-        by_chance = np.random.default_rng(self.seed)
-        frame = surroundings(camera, self.recipe, by_chance)
         window = Window.around(camera.project(self._box_in_cam_mm), camera, margin_px=_MARGIN_PX)
         if not window.empty:
             self._add_cylinder(frame[window.slices], window, by_chance)
-        if self.recipe.stray_spots:
-            frame += stray_spots(camera, self.recipe, by_chance)
-        return self.physics.lens.finish(frame, camera)
-
-    def render(self, rng: np.random.Generator, exposure: float = 1.0) -> Picture:
-        """Take a picture; `rng` draws the noise and nothing else.
-
-        Parameters
-        ----------
-        rng
-            Source of the shot and read noise.
-        exposure
-            Factor on the exposure time.
-        """
-        return self.physics.detector.expose(self.light_counts(), rng, exposure)
 
     @property
     def _box_in_cam_mm(self) -> FloatArray:

@@ -4,21 +4,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from calib import FloatArray, LaserSensor, Picture, RigidTransform, Target
+from calib import FloatArray, LaserSensor, RigidTransform, Target
 from station.scenes.board import Appearance, appearance, outline_mm
 from station.scenes.board_light import BoardView, false_sheet, standing_light
-from station.scenes.light import RECIPES, Light, LightRecipe
+from station.scenes.light import Light
 from station.scenes.patch import Counts, Window
 from station.scenes.physics import Physics
+from station.scenes.scene import Scene
 from station.scenes.sheet import LaserSheet
-from station.scenes.surroundings import stray_spots, surroundings
 from station.scenes.texture import speckle
 
 _BLUR_MARGIN_PX = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TargetScene:
+class TargetScene(Scene):
     """The target before the sensor in one pose; the truth is in its own fields.
 
     Attributes
@@ -62,36 +62,13 @@ class TargetScene:
                 f"its nearest corner at depth {corners[:, 2].min():.1f} mm"
             )
 
-    @property
-    def recipe(self) -> LightRecipe:
-        """The levels of the light."""
-        return RECIPES[self.light]
-
-    def light_counts(self) -> Counts:
-        """Return the light on the sensor at exposure 1, free of noise, shape (height, width)."""
+    def _add_subject(self, frame: Counts, by_chance: np.random.Generator) -> None:
         camera = self.sensor.camera
-        by_chance = np.random.default_rng(self.seed)
-        frame = surroundings(camera, self.recipe, by_chance)
         window = Window.around(
             camera.project(self._corners_in_cam_mm), camera, margin_px=_BLUR_MARGIN_PX
         )
         if not window.empty:
             self._add_board(frame[window.slices], window, by_chance)
-        if self.recipe.stray_spots:
-            frame += stray_spots(camera, self.recipe, by_chance)
-        return self.physics.lens.finish(frame, camera)
-
-    def render(self, rng: np.random.Generator, exposure: float = 1.0) -> Picture:
-        """Take a picture; `rng` draws the noise and nothing else.
-
-        Parameters
-        ----------
-        rng
-            Source of the shot and read noise.
-        exposure
-            Factor on the exposure time.
-        """
-        return self.physics.detector.expose(self.light_counts(), rng, exposure)
 
     @property
     def _corners_in_cam_mm(self) -> FloatArray:

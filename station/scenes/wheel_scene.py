@@ -4,15 +4,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from calib import FloatArray, LaserSensor, Picture, RigidTransform
-from station.scenes.light import RECIPES, Light, LightRecipe
+from calib import FloatArray, LaserSensor, RigidTransform
+from station.scenes.light import Light
 from station.scenes.patch import Counts, Window
 from station.scenes.physics import Physics
 from station.scenes.rays import ray_map
 from station.scenes.revolution import Revolution
+from station.scenes.scene import Scene
 from station.scenes.sheet import LaserSheet
 from station.scenes.steel import dirt
-from station.scenes.surroundings import stray_spots, surroundings
 from station.scenes.texture import speckle
 from station.scenes.wheel_light import body_light, stripe_light
 from station.scenes.wheel_truth import WheelTruth
@@ -24,7 +24,7 @@ _MARGIN_PX = 24
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class WheelScene:
+class WheelScene(Scene):
     """A wheel before the sensor; the truth is in its own fields.
 
     Attributes
@@ -73,46 +73,22 @@ class WheelScene:
             )
 
     @property
-    def recipe(self) -> LightRecipe:
-        """The levels of the light."""
-        return RECIPES[self.light]
-
-    @property
     def rig_from_axle(self) -> RigidTransform:
         """Pose of the axle: its tread stands on the rail, y along it, origin at the tape circle."""
         place = [self.axle_offset_mm, self.lateral_shift_mm, self.wheel.radius_mm]
         return RigidTransform(np.eye(3), np.array(place))
 
-    def light_counts(self) -> Counts:
-        """Return the light on the sensor at exposure 1, free of noise, shape (height, width)."""
-        camera = self.sensor.camera
-        by_chance = np.random.default_rng(self.seed)
+    def _add_subject(self, frame: Counts, by_chance: np.random.Generator) -> None:
         body = Revolution(
             self.wheel.profile,
             self.wheel.radius_mm,
             self.rig_from_camera.inverse() @ self.rig_from_axle,
         )
-        frame = surroundings(camera, self.recipe, by_chance)
-        cover, light = body_light(body, camera, self.recipe, by_chance)
+        cover, light = body_light(body, self.sensor.camera, self.recipe, by_chance)
         frame *= 1.0 - cover
         frame += light
         if self.laser_on:
             self._add_stripes(frame, body, by_chance)
-        if self.recipe.stray_spots:
-            frame += stray_spots(camera, self.recipe, by_chance)
-        return self.physics.lens.finish(frame, camera)
-
-    def render(self, rng: np.random.Generator, exposure: float = 1.0) -> Picture:
-        """Take a picture; `rng` draws the noise and nothing else.
-
-        Parameters
-        ----------
-        rng
-            Source of the shot and read noise.
-        exposure
-            Factor on the exposure time.
-        """
-        return self.physics.detector.expose(self.light_counts(), rng, exposure)
 
     def _add_stripes(self, frame: Counts, body: Revolution, by_chance: np.random.Generator) -> None:
         recipe = self.recipe
