@@ -7,7 +7,8 @@ test_observe_target.
 import numpy as np
 import pytest
 
-from calib import PixelNoise, disc, saddle
+from calib import PixelNoise
+from calib.seeing import disc, saddle
 from calib.seeing.ellipse import Ellipses, fit_ellipses
 from calib.seeing.patch_fit import Patches, fit_patches
 
