@@ -1,6 +1,7 @@
 """From a method's answer, in flat tables, to the views as they were given."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -43,8 +44,12 @@ def solved_views(
         solved_stripe = None
         if stripe is not None and view.stripe is not None:
             rows = slice(point, point := point + len(view.stripe))
-            blame = Cause.STRAY_LIGHT if index in false_stripes else Cause.OFF_LINE
-            solved_stripe = _solved(stripe, rows, view.stripe, blame)
+            if index in false_stripes:
+                # What a point looks like does not matter where its whole stripe is false.
+                seen = replace(view.stripe, cause=(Cause.STRAY_LIGHT,) * len(view.stripe))
+            else:
+                seen = view.stripe
+            solved_stripe = _solved(stripe, rows, seen, Cause.OFF_LINE)
         solved[index] = SolvedView(view.name, pose, solved_dots, solved_stripe)
     return tuple(solved[index] for index in range(len(views)))
 

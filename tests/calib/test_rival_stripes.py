@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from synthetic_views import LED_TARGET, PAPER_SENSOR, SIZE, clean_stripe, noisy, setting
 
-from calib import LaserSensor, LightPlane, RigidTransform, calibrate
+from calib import Cause, LaserSensor, LightPlane, RigidTransform, calibrate
 
 FALSE_FIRST = 0.7
 
@@ -82,3 +82,12 @@ def test_rival_nearer_by_chance_does_not_take_the_place_of_a_stripe_that_agrees(
     kept = [seen.stripe is given.stripe for seen, given in zip(answer.seen, twins, strict=True)]
     # Both lie on the plane: what the picture found likelier stays, but for chance beyond 4 sigma.
     assert sum(kept) >= 10
+
+
+def test_stripe_that_is_false_is_stray_light_whatever_its_points_look_like(rng, scene):
+    views = scene.views(rng, dots_px=0.05, stripe_px=0.1, stripe_count=20)
+    false = false_stripe(rng, scene, scene.poses[0])
+    views[0] = replace(views[0], stripe=replace(false, cause=(Cause.SATURATED,) * len(false)))
+    answer = calibrate(views, LED_TARGET, camera=PAPER_SENSOR.camera, **SIZE)
+    assert not answer.views[0].stripe.used.any()
+    assert set(answer.views[0].stripe.cause) == {Cause.STRAY_LIGHT}
