@@ -1,19 +1,36 @@
 """The figures of the README, measured where they are asked for."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
+from station.bench.calibration import bench_solvers, bench_solving
 from station.bench.capture import bench_capture
 from station.bench.deviations import bench_deviations
 from station.bench.lights import bench_lights
 from station.bench.paper import bench_paper
+from station.bench.stripe import bench_stripe, bench_stripe_sigma
+from station.bench.sweeps import bench_sweeps
 from station.progress import Progress
 from station.tables import Table
 
-BENCHES: dict[str, Callable[[Progress], Table]] = {
-    "capture": bench_capture,
-    "lights": bench_lights,
-    "paper": bench_paper,
-    "deviations": bench_deviations,
+BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
+    "capture": (bench_capture,),
+    "lights": (bench_lights,),
+    "paper": (bench_paper,),
+    "deviations": (bench_deviations,),
+    "calibration": (bench_sweeps, bench_solving, bench_solvers),
+    "stripe": (bench_stripe, bench_stripe_sigma),
 }
+"""What `station bench NAME` measures: one table each."""
 
-__all__ = ["BENCHES", "bench_capture", "bench_deviations", "bench_lights", "bench_paper"]
+__all__ = [
+    "BENCHES",
+    "bench_capture",
+    "bench_deviations",
+    "bench_lights",
+    "bench_paper",
+    "bench_solvers",
+    "bench_solving",
+    "bench_stripe",
+    "bench_stripe_sigma",
+    "bench_sweeps",
+]

@@ -5,6 +5,7 @@ import errno
 import os
 import resource
 import signal
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -82,27 +83,33 @@ def write_all(writer, pictures, first):
         write_picture(writer, number, pixels)
 
 
-@pytest.fixture
-def full_after():
-    """Let the system refuse to let any file grow beyond a size, as a full disk does."""
+@contextmanager
+def no_file_beyond(size):
+    """Let the system refuse to let any file grow beyond a size, as a full disk does.
+
+    Within the test alone: the file that the test runner reports to may be larger already.
+    """
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    signal.signal(signal.SIGXFSZ, handler)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, handler)
 
 
 @pytest.mark.parametrize("spare", [0, 1, 40, 1500, 3000])
-def test_full_disk_ends_the_recording_whole_and_says_so(tmp_path, rng, full_after, spare):
+def test_full_disk_ends_the_recording_whole_and_says_so(tmp_path, rng, spare):
     path = tmp_path / "a.mcap"
     writer = RecordingWriter(path)
     writer.write_event("left", started())
     pictures = [picture(rng) for _ in range(20)]
     write_picture(writer, 1, pictures[0])
-    full_after(active_path(path).stat().st_size * 5 + spare)
-    with pytest.raises(DiskFull, match="no space left"):
-        write_all(writer, pictures[1:], first=2)
-    summary = writer.finish()
+    with no_file_beyond(active_path(path).stat().st_size * 5 + spare):
+        with pytest.raises(DiskFull, match="no space left"):
+            write_all(writer, pictures[1:], first=2)
+        summary = writer.finish()
     assert summary.disk_full
     report = verify(path)
     assert report.ok
@@ -115,20 +122,19 @@ def test_full_disk_ends_the_recording_whole_and_says_so(tmp_path, rng, full_afte
     assert summary.size_bytes == path.stat().st_size
 
 
-def test_disk_full_before_the_first_frame_leaves_nothing(tmp_path, full_after):
-    full_after(2000)
-    with pytest.raises(DiskFull, match="no space left"):
+def test_disk_full_before_the_first_frame_leaves_nothing(tmp_path):
+    with no_file_beyond(2000), pytest.raises(DiskFull, match="no space left"):
         RecordingWriter(tmp_path / "a.mcap", attachments={"calibration.json": bytes(3000)})
     assert list(tmp_path.iterdir()) == []
 
 
-def test_no_space_for_the_summary_gives_up_the_last_frames(tmp_path, rng, full_after):
+def test_no_space_for_the_summary_gives_up_the_last_frames(tmp_path, rng):
     path = tmp_path / "a.mcap"
     writer = RecordingWriter(path)
     for number in range(1, 11):
         write_picture(writer, number, picture(rng))
-    full_after(active_path(path).stat().st_size + 10)
-    summary = writer.finish()
+    with no_file_beyond(active_path(path).stat().st_size + 10):
+        summary = writer.finish()
     assert summary.frames == {"left": 9}
     assert verify(path).ok
 
