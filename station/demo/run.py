@@ -1,9 +1,10 @@
 """The demo from the first rendered picture to the last reading, through the station's own doors."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import count
 from pathlib import Path
 
 from calib import Method
@@ -95,9 +96,15 @@ def _calibrate_all(
     scenario: Scenario, client: StationClient, progress: Progress
 ) -> tuple[list[FrameAccount], dict[str, Answer]]:
     """Take the pictures and have them calibrated, all sensors at once; activate the answers."""
+    total = sum(len(truth.poses) for truth in scenario.sensors)
+    taken = count(1)
+
+    def took_one() -> None:
+        number = next(taken)
+        progress(0.3 + 0.2 * number / total, f"pose {number} of {total}, calibrating")
 
     def calibrate(truth: SensorTruth) -> tuple[list[FrameAccount], Answer]:
-        accounts = _record_target(truth, client)
+        accounts = _record_target(truth, client, took_one)
         answer = client.calibrate(
             sensor=truth.id,
             session=_session(truth),
@@ -107,7 +114,6 @@ def _calibrate_all(
         client.activate(sensor=truth.id, calibration=answer["id"])
         return accounts, answer
 
-    progress(0.3, "recording poses and calibrating")
     with ThreadPoolExecutor(len(scenario.sensors)) as pool:
         outcomes = list(pool.map(calibrate, scenario.sensors))
     accounts = [account for found, _ in outcomes for account in found]
@@ -115,11 +121,14 @@ def _calibrate_all(
     return accounts, {s.id: answer for s, answer in zip(scenario.sensors, answers, strict=True)}
 
 
-def _record_target(truth: SensorTruth, client: StationClient) -> list[FrameAccount]:
+def _record_target(
+    truth: SensorTruth, client: StationClient, took_one: Callable[[], None]
+) -> list[FrameAccount]:
     session = _session(truth)
     client.open_calibration_session(session, sensor=truth.id, target=str(TARGET))
     for _ in truth.poses:
         client.capture(session)
+        took_one()
     closed = client.finish_calibration_session(session)
     return _accounts(closed, {truth.id: len(truth.poses)})
 
