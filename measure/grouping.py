@@ -26,9 +26,10 @@ def group_into_wheels(
     Returns
     -------
     wheels
-        Frames of each wheel. Frames without a time (pictures) are a wheel each. A frame that
-        stands alone was triggered by a wheel, and is one even if it shows none: a wheel nobody
-        saw is a row too. In a running series, frames that show nothing part the wheels.
+        Frames of each wheel. Frames without a time (pictures) are a wheel each. Frames that
+        follow each other closely are one even where none of them shows anything: a wheel triggered
+        them, and a wheel nobody saw is a row too. In a running series that shows wheels, frames
+        that show nothing part them.
 
     Raises
     ------
@@ -39,7 +40,7 @@ def group_into_wheels(
         raise ValueError(f"max_gap_s must be positive, got {max_gap_s}")
     wheels: list[tuple[WheelFrame, ...]] = []
     for series in _series(frames, max_gap_s):
-        if len(series) == 1:
+        if not any(_shows_something(frame) for frame in series):
             wheels.append(tuple(series))
             continue
         for present, run in groupby(series, key=_shows_something):

@@ -125,3 +125,13 @@ def test_picture_of_another_size_is_refused(tmp_path, calibration):
 def test_unknown_reference_is_refused_with_the_known_ones(folder, calibration, reference):
     with pytest.raises(InputUnusable, match="S1002, LMA"):
         measure_sources([folder], calibration, reference=reference)
+
+
+def test_wheel_of_which_no_frame_shows_anything_is_a_row_with_a_reason(
+    tmp_path, pictures, calibration
+):
+    dark = np.zeros_like(pictures[0])
+    path = record(tmp_path / "train.mcap", [*pictures, dark, dark], "left", [0, 20, 500, 20])
+    document = measure_sources([path], calibration)
+    assert [wheel.frames for wheel in document.wheels] == [(1, 2), (3, 4)]
+    assert document.wheels[1].reason is not None
