@@ -9,7 +9,11 @@ import numpy as np
 import pytest
 from synthetic_views import LED_TARGET, PAPER_CAMERA, PAPER_SENSOR, SIZE, noisy, setting
 
-from calib import Cause, calibrate, calibrate_camera
+from calib import CameraRole, Cause, calibrate, calibrate_camera
+from calib.joint.belief import Belief, Place
+from calib.joint.parameters import Estimate, Layout
+from calib.joint.problem import Problem
+from calib.solving import Prepared
 
 NOISE_PX = 0.05
 # A true answer is within four of its own standard deviations but for one in 16,000; several
@@ -198,3 +202,18 @@ def test_true_stripes_are_let_in_where_noisy_dots_put_them_off_the_sheet(rng):
         views = place.views(rng, dots_px=2.0, stripe_px=0.1)
         found = calibrate(views, place.target, **SIZE, camera=PAPER_CAMERA)
         assert all(view.stripe.used.mean() > 0.8 for view in found.views)
+
+
+def test_a_stripe_far_off_the_sheet_is_first_weighed_by_its_own_line(rng):
+    views = one_false_stripe(good(rng), rng)
+    views[3] = shifted_stripe(views[3], [0, 1], [0.0, 9.0])
+    prepared = Prepared.of(views, LED_TARGET, PAPER_CAMERA, CameraRole.HELD)
+    layout = Layout((), plane=True)
+    everything_in = np.ones(len(views), dtype=bool)
+    problem = Problem(prepared.observations, layout, None, everything_in, prepared.on_line)
+    start = Estimate.start(PAPER_CAMERA, prepared.plane, list(prepared.poses))
+    rays = PAPER_CAMERA.rays(prepared.observations.stripe.seen_px)[:, :2]
+    belief = Belief.from_near(problem, Place.at(problem, start, rays))
+    own = belief.stripe_weight[prepared.observations.stripe.view == 3]
+    np.testing.assert_array_equal(own[:2], 0.0)
+    assert own[2:].mean() > 0.98
