@@ -1,11 +1,11 @@
 """From pictures of a target to a light plane, with uncertainty.  Pure mathematics, lengths in mm.
 
-Letters, frames, units and signs are in ``conventions.md`` beside this file.
+Letters, frames, units and signs are in ``conventions.md`` beside this file. Values and geometry
+stand here; ``seeing`` turns pixels into points, ``solving`` points into a sensor, ``judging`` tells
+how good the sensor is.
 """
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture, frozen, read_only
-from calib.bound import cramer_rao_bound
-from calib.calibrate import calibrate, calibrate_camera
 from calib.calibration import (
     Calibration,
     CameraCalibration,
@@ -45,6 +45,8 @@ from calib.seeing.stripe import kernel_of, locate_stripe
 from calib.sensor import SENSOR_PARAMETERS, LaserSensor
 from calib.sheet_frame import SheetFrame
 from calib.sheet_table import SheetTable
+from calib.solving.bound import cramer_rao_bound
+from calib.solving.calibrate import calibrate, calibrate_camera
 from calib.target import Target
 from calib.views import Cause, StripePoints, TargetPoints, View
 

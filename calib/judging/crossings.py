@@ -13,9 +13,9 @@ from scipy.optimize import least_squares
 from calib.arrays import BoolArray, FloatArray, read_only
 from calib.camera import CameraModel
 from calib.homography import apply_homography, fit_homography_robustly
-from calib.joint.discs import ellipse_centres, lens_shifts
 from calib.lines import fit_line_robustly
-from calib.start import start_pose
+from calib.solving.joint.discs import ellipse_centres, lens_shifts
+from calib.solving.start import start_pose
 from calib.target import Target
 from calib.views import StripePoints, View
 

@@ -10,7 +10,7 @@ from calib.arrays import FloatArray, read_only
 from calib.errors import CalibError
 from calib.judging.crossings import grid_crossings
 from calib.sensor import LaserSensor
-from calib.start import has_stripe, start_pose, why_unusable
+from calib.solving.start import has_stripe, start_pose, why_unusable
 from calib.target import Target
 from calib.views import View
 

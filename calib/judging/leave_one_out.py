@@ -6,18 +6,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.arrays import FloatArray, read_only
-from calib.calibrate import calibrate
 from calib.calibration import Method
 from calib.camera import CameraModel
 from calib.errors import CalibError
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.problem import Problem
-from calib.joint.solve import solve
 from calib.lines import fit_line_robustly
-from calib.observations import Observations
 from calib.rigid import RigidTransform
 from calib.sensor import LaserSensor
-from calib.start import has_stripe, start_pose, why_unusable
+from calib.solving.calibrate import calibrate
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.problem import Problem
+from calib.solving.joint.solve import solve
+from calib.solving.observations import Observations
+from calib.solving.start import has_stripe, start_pose, why_unusable
 from calib.target import Target
 from calib.views import View
 

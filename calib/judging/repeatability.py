@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import FloatArray, read_only
-from calib.calibrate import calibrate
 from calib.calibration import Method
 from calib.camera import CameraModel
 from calib.compare import pixel_grid
 from calib.errors import CalibError, TooFewViews
 from calib.sensor import LaserSensor
-from calib.start import has_stripe
+from calib.solving.calibrate import calibrate
+from calib.solving.start import has_stripe
 from calib.target import Target
 from calib.views import View
 

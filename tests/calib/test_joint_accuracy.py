@@ -19,10 +19,10 @@ from synthetic_views import (
 )
 
 from calib import CameraModel, CameraRole, Method, Target, calibrate, cramer_rao_bound
-from calib.joint.normal_equations import NormalEquations
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.residuals import linearise_dots, linearise_stripe
-from calib.observations import Observations
+from calib.solving.joint.normal_equations import NormalEquations
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.residuals import linearise_dots, linearise_stripe
+from calib.solving.observations import Observations
 
 POSES = 10
 # The paper's two sweeps: noise of dots beside stripe at 0.5 px, and the other way round.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.joint.mixture import Mixture, correlated_run
+from calib.solving.joint.mixture import Mixture, correlated_run
 
 
 def settled(residual, rounds=30):

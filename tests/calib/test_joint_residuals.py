@@ -10,9 +10,9 @@ import pytest
 from synthetic_views import PAPER_SENSOR, SIZE, clean_stripe, disc_centroid, setting
 
 from calib import CameraModel, LaserSensor, Target, View
-from calib.joint.parameters import Estimate, Layout, tangent_basis
-from calib.joint.residuals import linearise_dots, linearise_stripe
-from calib.observations import Observations
+from calib.solving.joint.parameters import Estimate, Layout, tangent_basis
+from calib.solving.joint.residuals import linearise_dots, linearise_stripe
+from calib.solving.observations import Observations
 
 CAMERA = CameraModel.from_parameters(
     np.array([2181.0, 2190.0, 1024.0, 544.0, -0.45, 0.25, 1e-3, -2e-3, 0.03]), **SIZE

@@ -10,10 +10,10 @@ import pytest
 from synthetic_views import LED_TARGET, PAPER_CAMERA, PAPER_SENSOR, SIZE, noisy, setting
 
 from calib import CameraRole, Cause, calibrate, calibrate_camera
-from calib.joint.belief import Belief, Place
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.problem import Problem
-from calib.solving import Prepared
+from calib.solving.joint.belief import Belief, Place
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.problem import Problem
+from calib.solving.prepared import Prepared
 
 NOISE_PX = 0.05
 # A true answer is within four of its own standard deviations but for one in 16,000; several

@@ -22,10 +22,10 @@ from calib import (
     Termination,
     calibrate,
 )
-from calib.crossings import crossed_lines, crossings_mm
 from calib.lines import fit_line, fit_plane
-from calib.preplanar import _consensus, _points_in_cam, _select
-from calib.solving import Prepared
+from calib.solving.crossings import crossed_lines, crossings_mm
+from calib.solving.prepared import Prepared
+from calib.solving.preplanar import _consensus, _points_in_cam, _select
 
 PREPLANAR = {**SIZE, "camera": PAPER_CAMERA, "method": Method.PREPLANAR}
 TRUTH = PAPER_SENSOR.plane.coefficients

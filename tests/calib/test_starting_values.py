@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from synthetic_views import PAPER_CAMERA, PAPER_TARGET, setting
 
 from calib import Degenerate, RigidTransform
-from calib.cross_ratio import place_by_cross_ratio
 from calib.homography import (
     apply_homography,
     fit_homography,
@@ -18,8 +17,9 @@ from calib.homography import (
     pose_from_homography,
 )
 from calib.lines import fit_line_robustly, fit_plane
-from calib.start import start_plane
-from calib.zhang import camera_from_homographies
+from calib.solving.cross_ratio import place_by_cross_ratio
+from calib.solving.start import start_plane
+from calib.solving.zhang import camera_from_homographies
 
 BOARD = PAPER_TARGET.points_mm
 POSE = RigidTransform.from_rotation_vector([0.4, -0.3, 0.2], [-40.0, -30.0, 600.0])

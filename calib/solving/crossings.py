@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import FloatArray, IntArray
-from calib.cross_ratio import place_by_cross_ratio
 from calib.lines import fit_line
+from calib.solving.cross_ratio import place_by_cross_ratio
 from calib.target import Target
 from calib.views import TargetPoints
 

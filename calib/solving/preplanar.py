@@ -13,16 +13,16 @@ import numpy as np
 from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.calibration import SolveReport, Termination
 from calib.camera import PARAMETERS, CameraModel
-from calib.crossings import DotLine, crossed_lines, crossings_mm
 from calib.errors import TooFewViews
 from calib.homography import fit_homography, pose_from_homography
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.residuals import Linear, linearise_dots, linearise_stripe
 from calib.lines import fit_line, fit_plane
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
 from calib.sensor import SENSOR_PARAMETERS
-from calib.solving import Answer, PointsAnswer, Prepared
+from calib.solving.crossings import DotLine, crossed_lines, crossings_mm
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.residuals import Linear, linearise_dots, linearise_stripe
+from calib.solving.prepared import Answer, PointsAnswer, Prepared
 from calib.target import Target
 from calib.views import View
 

@@ -3,10 +3,10 @@
 import numpy as np
 
 from calib.errors import NotConverged
-from calib.joint.belief import Belief, Place
-from calib.joint.parameters import POSE_SIZE, Estimate
-from calib.joint.problem import Problem, Solution
 from calib.lens import normalised_of
+from calib.solving.joint.belief import Belief, Place
+from calib.solving.joint.parameters import POSE_SIZE, Estimate
+from calib.solving.joint.problem import Problem, Solution
 
 # Where a few exact points sway many, belief and answer settle slowly: 108 steps were seen.
 _ITERATIONS = 500

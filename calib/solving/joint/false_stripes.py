@@ -3,8 +3,8 @@
 import numpy as np
 
 from calib.arrays import BoolArray, IntArray
-from calib.joint.problem import Problem, Solution
-from calib.start import LEAST_STRIPE_POINTS
+from calib.solving.joint.problem import Problem, Solution
+from calib.solving.start import LEAST_STRIPE_POINTS
 
 # Chi square of an offset and a slope that a true stripe exceeds once in 300,000.
 _MOST_SURPRISE = 25.0

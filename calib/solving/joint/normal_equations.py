@@ -16,8 +16,8 @@ import numpy as np
 
 from calib.arrays import FloatArray, IntArray
 from calib.errors import NotConverged
-from calib.joint.parameters import POSE_SIZE
-from calib.joint.residuals import Linear
+from calib.solving.joint.parameters import POSE_SIZE
+from calib.solving.joint.residuals import Linear
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray
-from calib.joint.mixture import Mixture
-from calib.joint.normal_equations import ArrowCovariance
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.residuals import Linear
-from calib.observations import Observations
+from calib.solving.joint.mixture import Mixture
+from calib.solving.joint.normal_equations import ArrowCovariance
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.residuals import Linear
+from calib.solving.observations import Observations
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,17 +4,17 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from calib.assembly import misfits, solved_views
 from calib.calibration import Calibration, CameraCalibration, CameraRole, Method
 from calib.camera import CameraModel
-from calib.camera_from_views import solve_camera
 from calib.errors import CameraMismatch, TooFewViews
-from calib.joint.method import solve_jointly
-from calib.preplanar import solve_preplanar
-from calib.rival_stripes import settle_stripes
 from calib.sensor import LaserSensor
-from calib.solving import Answer, Prepared
-from calib.start import LEAST_STRIPE_POINTS, has_stripe, usable_views
+from calib.solving.assembly import misfits, solved_views
+from calib.solving.camera_from_views import solve_camera
+from calib.solving.joint.method import solve_jointly
+from calib.solving.prepared import Answer, Prepared
+from calib.solving.preplanar import solve_preplanar
+from calib.solving.rival_stripes import settle_stripes
+from calib.solving.start import LEAST_STRIPE_POINTS, has_stripe, usable_views
 from calib.target import Target
 from calib.views import View
 

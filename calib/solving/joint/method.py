@@ -7,11 +7,11 @@ import numpy as np
 from calib.arrays import FloatArray
 from calib.calibration import CameraRole, SolveReport, Termination
 from calib.camera import PARAMETERS, CameraModel
-from calib.joint.false_stripes import believable_stripes
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.problem import Prior, Problem, Solution
-from calib.joint.solve import solve
-from calib.solving import Answer, PointsAnswer, Prepared
+from calib.solving.joint.false_stripes import believable_stripes
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.problem import Prior, Problem, Solution
+from calib.solving.joint.solve import solve
+from calib.solving.prepared import Answer, PointsAnswer, Prepared
 
 # Renewals of the choice which stripes to believe; more than two are not seen to change anything.
 _ROUNDS = 4

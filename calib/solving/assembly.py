@@ -7,7 +7,7 @@ import numpy as np
 
 from calib.calibration import SolvedPoints, SolvedView
 from calib.rigid import RigidTransform
-from calib.solving import PointsAnswer
+from calib.solving.prepared import PointsAnswer
 from calib.views import Cause, StripePoints, TargetPoints, View
 
 

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from calib.arrays import FloatArray
-from calib.joint.normal_equations import NormalEquations
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.residuals import linearise_dots, linearise_stripe
-from calib.observations import Observations
 from calib.rigid import RigidTransform
 from calib.sensor import LaserSensor
+from calib.solving.joint.normal_equations import NormalEquations
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.residuals import linearise_dots, linearise_stripe
+from calib.solving.observations import Observations
 from calib.target import Target
 from calib.views import View
 

@@ -8,14 +8,14 @@ import numpy as np
 from calib.arrays import BoolArray, FloatArray
 from calib.calibration import CameraRole, SolveReport
 from calib.camera import CameraModel
-from calib.joint.discs import cross_matrices
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.problem import Problem, Solution
-from calib.joint.solve import solve
-from calib.observations import Observations
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
-from calib.start import StripeLine, has_stripe, start_plane, start_pose, stripe_line
+from calib.solving.joint.discs import cross_matrices
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.problem import Problem, Solution
+from calib.solving.joint.solve import solve
+from calib.solving.observations import Observations
+from calib.solving.start import StripeLine, has_stripe, start_plane, start_pose, stripe_line
 from calib.target import Target
 from calib.views import View
 

@@ -6,15 +6,15 @@ import numpy as np
 
 from calib.arrays import FloatArray
 from calib.camera import normalised_by_point
-from calib.joint.discs import (
+from calib.lens import normalised_of, picture_by_camera, picture_of, picture_slope
+from calib.solving.joint.discs import (
     cross_matrices,
     ellipse_centre_jacobians,
     ellipse_centres,
     lens_shifts,
 )
-from calib.joint.parameters import POSE_SIZE, Estimate, Layout, tangent_basis
-from calib.lens import normalised_of, picture_by_camera, picture_of, picture_slope
-from calib.observations import Observations, StripeTable
+from calib.solving.joint.parameters import POSE_SIZE, Estimate, Layout, tangent_basis
+from calib.solving.observations import Observations, StripeTable
 
 # A stripe whose observed normal lies along the predicted line cannot be told from it: the
 # distance along the normal is then taken as if the angle between them were this sine.

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.arrays import FloatArray
-from calib.joint.mixture import Mixture, correlated_run
-from calib.joint.normal_equations import NormalEquations
-from calib.joint.parameters import Estimate
-from calib.joint.problem import Problem
-from calib.joint.residuals import Linear, linearise_dots, linearise_stripe
+from calib.solving.joint.mixture import Mixture, correlated_run
+from calib.solving.joint.normal_equations import NormalEquations
+from calib.solving.joint.parameters import Estimate
+from calib.solving.joint.problem import Problem
+from calib.solving.joint.residuals import Linear, linearise_dots, linearise_stripe
 
 # The scales have settled when a step changes them by less than this part.
 _SCALE_SETTLED = 1e-3

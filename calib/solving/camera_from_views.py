@@ -9,19 +9,19 @@ from calib.calibration import CameraRole, SolveReport
 from calib.camera import PARAMETERS, CameraModel
 from calib.errors import Degenerate
 from calib.homography import pose_from_homography
-from calib.joint.method import camera_of, dots_answer, report_of, scale_warnings
-from calib.joint.normal_equations import NormalEquations
-from calib.joint.parameters import Estimate, Layout
-from calib.joint.problem import Problem, Solution
-from calib.joint.residuals import linearise_dots
-from calib.joint.solve import solve
-from calib.observations import Observations
 from calib.rigid import RigidTransform
-from calib.solving import PointsAnswer
-from calib.start import picture_homography
+from calib.solving.joint.method import camera_of, dots_answer, report_of, scale_warnings
+from calib.solving.joint.normal_equations import NormalEquations
+from calib.solving.joint.parameters import Estimate, Layout
+from calib.solving.joint.problem import Problem, Solution
+from calib.solving.joint.residuals import linearise_dots
+from calib.solving.joint.solve import solve
+from calib.solving.observations import Observations
+from calib.solving.prepared import PointsAnswer
+from calib.solving.start import picture_homography
+from calib.solving.zhang import camera_from_homographies
 from calib.target import Target
 from calib.views import View
-from calib.zhang import camera_from_homographies
 
 # Always estimated: focal lengths, principal point, k1, k2.
 _BASIC = tuple(PARAMETERS.index(name) for name in ("fx", "fy", "cx", "cy", "k1", "k2"))
