@@ -7,6 +7,26 @@ import numpy as np
 from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.homography import apply_homography
 
+_SHEARS = tuple(
+    np.array(rows)
+    for rows in (
+        [[1, 0], [0, 1]],
+        [[1, 1], [0, 1]],
+        [[1, -1], [0, 1]],
+        [[1, 0], [1, 1]],
+        [[1, 0], [-1, 1]],
+    )
+)
+"""Strong perspective can make a diagonal neighbour look like the next of a row: the lattice's own
+coordinates are then sheared, and so are tried with each shear undone."""
+
+_MOST_OUTSIDE = 0.125
+"""Of what the window holds. More is no chance: under a wrong shear a corner of the target lies
+beyond each end of the window."""
+
+_LEAST_SHEARED = 0.6
+"""Share of the target that must be seen under a shear: fewer points fit a wrong one as well."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Numbering:
@@ -21,7 +41,9 @@ class Numbering:
 
     def nodes(self, place: IntArray) -> IntArray:
         """Return the lattice coordinates of (row, col), shape (N, 2)."""
-        return (place - self.shift) @ self.turn
+        # A turn, a shear: whole numbers, whose inverse has whole numbers too.
+        back = np.rint(np.linalg.inv(self.turn)).astype(np.int64)
+        return (place - self.shift) @ back.T
 
 
 def number(node: IntArray, picture_from_node: FloatArray, rows: int, cols: int) -> Numbering | None:
@@ -42,21 +64,41 @@ def number(node: IntArray, picture_from_node: FloatArray, rows: int, cols: int) 
         None where it is not certain: a border row or column is not seen, or what is seen fits
         the target in two places.
     """
-    options = []
-    for upright in (True, False):
-        size = (rows, cols) if upright else (cols, rows)
-        corner = _window(node, size)
-        if corner is not None:
-            seen = int((((node - corner) >= 0) & ((node - corner) < size)).all(axis=1).sum())
-            options.append((seen, corner, upright))
-    if rows != cols and len(options) > 1:
-        options = (
-            [max(options, key=lambda option: option[0])] if (options[0][0] != options[1][0]) else []
-        )
-    turned = [
-        _oriented(corner, upright, picture_from_node, rows, cols) for _, corner, upright in options
+    options = [
+        _Option(int(_held(node @ shear.T, corner, size).sum()), corner, upright, shear)
+        for shear in _SHEARS
+        for upright, size in ((True, (rows, cols)), (False, (cols, rows)))
+        if (corner := _window(node @ shear.T, size)) is not None
     ]
-    return max(turned, key=lambda pair: pair[0])[1] if turned else None
+    least_sheared = _LEAST_SHEARED * rows * cols
+    options = [
+        each
+        for each in options
+        if len(node) - each.seen <= _MOST_OUTSIDE * each.seen
+        and (each.shear is _SHEARS[0] or each.seen >= least_sheared)
+    ]
+    most = max((option.seen for option in options), default=0)
+    best = [option for option in options if option.seen == most]
+    # A square grid looks the same turned by 90 degrees; which way is up decides then.
+    alike = rows == cols and all(option.shear is best[0].shear for option in best)
+    if not best or (len(best) > 1 and not alike):
+        return None
+    turned = [_oriented(option, picture_from_node, rows, cols) for option in best]
+    return max(turned, key=lambda pair: pair[0])[1]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Option:
+    """A window that may be the target: how many nodes it holds, and where it lies."""
+
+    seen: int
+    corner: IntArray
+    upright: bool
+    shear: IntArray
+
+
+def _held(node: IntArray, corner: IntArray, size: tuple[int, int]) -> BoolArray:
+    return np.asarray((((node - corner) >= 0) & ((node - corner) < size)).all(axis=1))
 
 
 def _window(node: IntArray, size: tuple[int, int]) -> IntArray | None:
@@ -87,23 +129,23 @@ def _window(node: IntArray, size: tuple[int, int]) -> IntArray | None:
 
 
 def _oriented(
-    corner: IntArray, upright: bool, picture_from_node: FloatArray, rows: int, cols: int
+    option: _Option, picture_from_node: FloatArray, rows: int, cols: int
 ) -> tuple[float, Numbering]:
     """Turn the numbering so that it is right-handed as seen and its rows run down.
 
     Also return how much the rows run down, from -1 to 1.
     """
     best: tuple[float, Numbering] | None = None
-    to_rows = np.eye(2, dtype=np.int64) if upright else np.array([[0, 1], [1, 0]])
+    to_rows = np.eye(2, dtype=np.int64) if option.upright else np.array([[0, 1], [1, 0]])
     for row_sign in (1, -1):
         for col_sign in (1, -1):
             turn = np.diag([row_sign, col_sign]) @ to_rows
-            first = turn @ corner
+            first = turn @ option.corner
             shift = np.array([
                 -first[0] if row_sign > 0 else rows - 1 - first[0],
                 -first[1] if col_sign > 0 else cols - 1 - first[1],
             ])
-            numbering = Numbering(turn, shift)
+            numbering = Numbering(turn @ option.shear, shift)
             middle = np.array([[(rows - 1) // 2, (cols - 1) // 2]])
             here, down, right = (
                 apply_homography(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from calib.homography import apply_homography
@@ -42,6 +42,7 @@ def numbered(points, size, rows=ROWS, cols=COLS):
     return dict(zip(lattice.index[mine].tolist(), map(tuple, place[mine].tolist()), strict=True))
 
 
+@example(turn=0.0, tilt=(-0.03, -0.03), seed=9, lost=8, false=22)
 @given(
     turn=st.floats(-0.7, 0.7),
     tilt=st.tuples(st.floats(-0.03, 0.03), st.floats(-0.03, 0.03)),

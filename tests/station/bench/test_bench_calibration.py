@@ -6,12 +6,12 @@ import types
 import numpy as np
 import pytest
 
-from calib import Method, cramer_rao_bound
+from calib import Method, calibrate, cramer_rao_bound
 from station.bench import BENCHES, bench_solvers, bench_solving, bench_sweeps, calibration
 from station.bench.best_linear import BestLinear
 from station.bench.peers import NOT_INSTALLED, peer
 from station.bench.peers_calibration import peer_plane
-from station.bench.simulation import SENSOR, TARGET, Noise, Simulation
+from station.bench.simulation import HEIGHT_PX, SENSOR, TARGET, WIDTH_PX, Noise, Simulation
 from station.bench.timing import CoreTime
 from station.progress import silent
 
@@ -56,6 +56,17 @@ def test_best_linear_estimate_errs_as_its_covariance_says(simulation, rng):
     sigma = np.sqrt(np.diag(linear.covariance))
     # 1,000 draws tell a standard deviation to 2.2 %; four of those.
     np.testing.assert_allclose(np.sqrt(np.mean(errors**2, axis=0)), sigma, rtol=0.09)
+
+
+def test_joint_and_best_linear_estimate_err_alike_at_little_noise(simulation, rng):
+    noise = Noise(0.02, 0.02)
+    linear, drawn = BestLinear.of(simulation, noise), simulation.noisy(rng, noise)
+    found = calibrate(
+        drawn.views, TARGET, width=WIDTH_PX, height=HEIGHT_PX, camera=SENSOR.camera
+    ).sensor.plane.coefficients
+    apart = found - SENSOR.plane.coefficients - linear.errors(drawn)
+    # The robust weights, which the linear estimate has not, leave some hundredths of a sigma.
+    np.testing.assert_allclose(apart / np.sqrt(np.diag(linear.covariance)), 0.0, atol=0.15)
 
 
 def test_sweeps_have_a_row_a_level_and_joint_stays_near_the_bound():
