@@ -46,7 +46,8 @@ def bench_lights(progress: Progress, *, poses: int = 20, seed: int = 1) -> Table
         views, unseen = observe_light(light, sensor, poses=poses, seed=seed)
         row: dict[str, Value] = {"light": light.value, "target not seen": unseen}
         for method in Method:
-            row[f"{method} sheet error, mm RMS"] = sheet_error_mm(views, sensor, method)
+            error_mm = sheet_error_mm(views, sensor, method)
+            row[f"{method} sheet error, mm RMS"] = error_mm if np.isfinite(error_mm) else "refused"
         rows.append(row)
     note = (
         f"{poses} poses a light of {TARGET}, camera known, seed {seed}; RMS over the field at "
