@@ -8,7 +8,7 @@ from fastapi import FastAPI
 from station.api import build_app
 from station.capture import CaptureClient
 from station.operations import DataLayout, Passes, Sessions, Station, salvage_recording
-from station.serve.processes import socket_path
+from station.serve.sockets import socket_path
 from station.settings import StationSettings
 from station.store import Store
 from station.worker import WorkerQueue, is_held

@@ -10,16 +10,12 @@ from pathlib import Path
 from station.capture import start_capture
 from station.serve.lifeline import end_with_parent
 from station.serve.logs import log_as
+from station.serve.sockets import socket_path
 from station.settings import SensorSettings, StationSettings
 from station.worker import run_worker
 
 _GRACE_S = 3
 _SPAWN = get_context("spawn")  # never fork: Aravis and SQLite do not survive it
-
-
-def socket_path(run_dir: Path, sensor: str) -> Path:
-    """Return where a sensor's capture process listens for commands."""
-    return run_dir / f"{sensor}.sock"
 
 
 def start_sensor(sensor: SensorSettings, run_dir: Path) -> BaseProcess:
