@@ -79,7 +79,8 @@ def run(app: Callable[..., Any], arguments: list[str]) -> int:
     except StationError as error:
         return _say(str(error), EXIT_UNUSABLE)
     except typer.TyperException as error:
-        command = " ".join(["station", *arguments[:1]]).strip()
+        named = [word for word in arguments[:1] if word in {*COMMANDS, *GROUPS}]
+        command = " ".join(["station", *named])
         return _say(f"{_message(error)} (`{command} --help` tells what is allowed)", EXIT_UNUSABLE)
     except (KeyboardInterrupt, typer.Abort):
         return _say("interrupted", EXIT_INTERRUPTED)

@@ -49,6 +49,11 @@ def test_wrong_usage_is_one_line_and_exit_2(capsys, arguments):
     assert "--help" in err
 
 
+def test_help_offered_for_a_misspelt_command_is_one_that_exists(capsys):
+    assert run(build_app(), ["calibrat"]) == 2
+    assert "(`station --help` tells" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", [*COMMANDS, *GROUPS])
 def test_every_command_has_help(capsys, name):
     assert run(build_app(name), [name, "--help"]) == 0
