@@ -16,6 +16,7 @@ class Method(StrEnum):
     """The ways to solve the light plane."""
 
     PREPLANAR = "preplanar"
+    DEVIATION = "deviation"
     JOINT = "joint"
 
 
@@ -24,6 +25,7 @@ class Termination(StrEnum):
 
     CONVERGED = "converged"
     CLOSED_FORM = "closed form"
+    STEP_LIMIT = "step limit"
 
 
 class CameraRole(StrEnum):

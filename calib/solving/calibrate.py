@@ -10,6 +10,7 @@ from calib.errors import CameraMismatch, TooFewViews
 from calib.sensor import LaserSensor
 from calib.solving.assembly import misfits, solved_views
 from calib.solving.camera_from_views import solve_camera
+from calib.solving.deviation.method import solve_deviation
 from calib.solving.joint.method import solve_jointly
 from calib.solving.prepared import Answer, Prepared
 from calib.solving.preplanar import solve_preplanar
@@ -20,6 +21,7 @@ from calib.views import View
 
 _METHODS: Mapping[Method, Callable[[Prepared], Answer]] = {
     Method.PREPLANAR: solve_preplanar,
+    Method.DEVIATION: solve_deviation,
     Method.JOINT: solve_jointly,
 }
 # A camera needs views of three orientations, a light plane two stripes.

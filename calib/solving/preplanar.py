@@ -33,7 +33,7 @@ _KEEP = 3.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Selection:
+class Crossed:
     """Which lines of dots the stripes cross, told once: all else is smooth in the camera.
 
     Attributes
@@ -60,19 +60,21 @@ def solve_preplanar(prepared: Prepared) -> Answer:
         If the stripes cross fewer than two views' columns.
     """
     camera = prepared.camera
-    selection = _select(prepared)
-    points = _points_in_cam(prepared, camera, selection)
-    kept = _consensus(points)
+    crossed = crossed_by_stripes(prepared)
+    points = points_in_cam(prepared, camera, crossed)
+    kept = consensus(points)
     plane = LightPlane.from_coefficients(fit_plane(points[kept]))
     poses = [_pose(view, prepared.target, camera) for view in prepared.views]
     estimate = Estimate.start(camera, plane, poses)
-    dots, stripe, stripe_in = _residuals(prepared, estimate, selection.view[kept])
-    own = _jackknife(points[kept], selection.view[kept], plane)
+    dots, stripe, stripe_in = _residuals(prepared, estimate, crossed.view[kept])
+    own = _jackknife(points[kept], crossed.view[kept], plane)
     return Answer(
         camera=camera,
         plane=plane,
         poses=tuple(poses),
-        covariance=_covariance(prepared, own, _plane_by_camera(prepared, selection, kept, plane)),
+        covariance=sensor_covariance(
+            prepared, own, _plane_by_camera(prepared, crossed, kept, plane)
+        ),
         dots=dots,
         stripe=stripe,
         stripe_in=stripe_in,
@@ -80,7 +82,14 @@ def solve_preplanar(prepared: Prepared) -> Answer:
     )
 
 
-def _select(prepared: Prepared) -> _Selection:
+def crossed_by_stripes(prepared: Prepared) -> Crossed:
+    """Tell which lines of dots each stripe crosses.
+
+    Raises
+    ------
+    TooFewViews
+        If the stripes cross fewer than two views' columns.
+    """
     lines: list[tuple[DotLine, ...]] = []
     for index, view in enumerate(prepared.views):
         stripe = _stripe_line(prepared, prepared.camera, index)
@@ -96,7 +105,7 @@ def _select(prepared: Prepared) -> _Selection:
             "across the target"
         )
     view_of = np.repeat(np.arange(len(lines)), [len(own) for own in lines])
-    return _Selection(tuple(lines), view_of)
+    return Crossed(tuple(lines), view_of)
 
 
 def _stripe_line(prepared: Prepared, camera: CameraModel, index: int) -> FloatArray | None:
@@ -113,10 +122,10 @@ def _pose(view: View, target: Target, camera: CameraModel) -> RigidTransform:
     return pose_from_homography(fit_homography(board, camera.rays(view.points.centre_px)[:, :2]))
 
 
-def _points_in_cam(prepared: Prepared, camera: CameraModel, selection: _Selection) -> FloatArray:
+def points_in_cam(prepared: Prepared, camera: CameraModel, crossed: Crossed) -> FloatArray:
     """Return the crossings in the camera frame, mm, shape (N, 3)."""
     parts = [np.empty((0, 3))]
-    for index, (view, lines) in enumerate(zip(prepared.views, selection.lines, strict=True)):
+    for index, (view, lines) in enumerate(zip(prepared.views, crossed.lines, strict=True)):
         stripe = _stripe_line(prepared, camera, index)
         if stripe is None:
             continue
@@ -127,7 +136,7 @@ def _points_in_cam(prepared: Prepared, camera: CameraModel, selection: _Selectio
     return np.concatenate(parts)
 
 
-def _consensus(points_mm: FloatArray) -> BoolArray:
+def consensus(points_mm: FloatArray) -> BoolArray:
     """Tell which points lie on the plane of most, by the least median of distances."""
     draws = np.random.default_rng(0).random((_SAMPLES, len(points_mm)))
     first, second, third = np.moveaxis(points_mm[np.argpartition(draws, 2, axis=1)[:, :3]], 1, 0)
@@ -163,7 +172,7 @@ def _residuals(
     )
 
 
-def _covariance(prepared: Prepared, own: FloatArray, by_camera: FloatArray) -> FloatArray:
+def sensor_covariance(prepared: Prepared, own: FloatArray, by_camera: FloatArray) -> FloatArray:
     """Return the sensor's covariance from the plane's own, (4, 4), and its slope by the camera."""
     count = len(PARAMETERS)
     camera = prepared.camera.covariance
@@ -184,7 +193,7 @@ def _jackknife(points_mm: FloatArray, view: IntArray, plane: LightPlane) -> Floa
 
 
 def _plane_by_camera(
-    prepared: Prepared, selection: _Selection, kept: BoolArray, plane: LightPlane
+    prepared: Prepared, crossed: Crossed, kept: BoolArray, plane: LightPlane
 ) -> FloatArray:
     """Return d(a, b, c, d)/d(camera), shape (4, 9), by central differences; 0 where it is held."""
     sigma = np.sqrt(np.diag(prepared.camera.covariance))
@@ -198,7 +207,7 @@ def _plane_by_camera(
             camera = CameraModel.from_parameters(
                 parameters, width=prepared.camera.width, height=prepared.camera.height
             )
-            points = _points_in_cam(prepared, camera, selection)
+            points = points_in_cam(prepared, camera, crossed)
             ends.append(_near(fit_plane(points[kept]), plane))
         jacobian[:, index] = (ends[0] - ends[1]) / (2.0 * step)
     return jacobian

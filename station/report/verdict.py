@@ -17,6 +17,7 @@ _DEMANDS = {
 
 _METHODS = {
     Method.PREPLANAR.value: "light plane fitted to stripe points placed by each picture alone",
+    Method.DEVIATION.value: "every point corrected within nine sigma, then the light plane fitted",
     Method.JOINT.value: "poses, light plane and camera most likely all together",
 }
 

@@ -25,7 +25,7 @@ from calib import (
 from calib.lines import fit_line, fit_plane
 from calib.solving.crossings import crossed_lines, crossings_mm
 from calib.solving.prepared import Prepared
-from calib.solving.preplanar import _consensus, _points_in_cam, _select
+from calib.solving.preplanar import consensus, crossed_by_stripes, points_in_cam
 
 PREPLANAR = {**SIZE, "camera": PAPER_CAMERA, "method": Method.PREPLANAR}
 TRUTH = PAPER_SENSOR.plane.coefficients
@@ -108,11 +108,11 @@ def test_doubt_of_the_camera_is_carried_to_the_plane(rng):
     )
     # The same points before and after: which of them agree is not the camera's doubt.
     prepared = Prepared.of(views, PAPER_TARGET, PAPER_CAMERA, CameraRole.HELD)
-    selection = _select(prepared)
-    kept = _consensus(_points_in_cam(prepared, PAPER_CAMERA, selection))
+    selection = crossed_by_stripes(prepared)
+    kept = consensus(points_in_cam(prepared, PAPER_CAMERA, selection))
     planes = [
         LightPlane.from_coefficients(
-            fit_plane(_points_in_cam(prepared, camera, selection)[kept])
+            fit_plane(points_in_cam(prepared, camera, selection)[kept])
         ).coefficients
         for camera in (PAPER_CAMERA, longer)
     ]
