@@ -33,7 +33,12 @@ from calib.errors import (
     TargetSpecInvalid,
     TooFewViews,
 )
-from calib.judging.cylinder import CylinderReading, judge_cylinder
+from calib.judging.cylinder import (
+    CylinderJudgement,
+    CylinderReading,
+    judge_cylinder,
+    judge_cylinders,
+)
 from calib.judging.distances import PlacementDistances, judge_distances
 from calib.judging.leave_one_out import LeftOutPose, judge_leaving_out
 from calib.judging.repeatability import Repeatability, judge_repeatability
@@ -61,6 +66,7 @@ __all__ = [
     "CameraModel",
     "CameraRole",
     "Cause",
+    "CylinderJudgement",
     "CylinderReading",
     "Degenerate",
     "FloatArray",
@@ -96,6 +102,7 @@ __all__ = [
     "cramer_rao_bound",
     "frozen",
     "judge_cylinder",
+    "judge_cylinders",
     "judge_distances",
     "judge_leaving_out",
     "judge_repeatability",

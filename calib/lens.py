@@ -76,10 +76,10 @@ def normalised_of(
             xx, xy, yy = _distortion_slope(guess, camera)
             miss_x, miss_y = x_seen - seen[:, 0], y_seen - seen[:, 1]
             determinant = xx * yy - xy * xy
-            step = np.column_stack([yy * miss_x - xy * miss_y, xx * miss_y - xy * miss_x])
-            step /= determinant[:, None]
-            guess -= step
-            size = np.abs(step).max(axis=1, initial=0.0)
+            step_x = (yy * miss_x - xy * miss_y) / determinant
+            step_y = (xx * miss_y - xy * miss_x) / determinant
+            guess -= np.column_stack([step_x, step_y])
+            size = np.maximum(np.abs(step_x), np.abs(step_y))
             if not (size > _NEWTON_DONE).any():
                 break
         unfolded = (determinant > 0.0) & (xx > 0.0) & (size <= 1e-9)

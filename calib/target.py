@@ -34,8 +34,8 @@ class Target:
     dark
         Dots are darker than their ground (printed), not brighter (lit).
     diameter_mm
-        Diameter of a dot where known: the picture of its centre is then corrected for the
-        eccentricity of a projected circle.
+        Diameter of a dot where known; None: as the pictures show it. The picture of its centre is
+        corrected for the eccentricity of a projected circle by it.
 
     Raises
     ------

@@ -135,9 +135,11 @@ class View:
 
     `stripe` is None where the picture shows no stripe; such a picture still serves the camera.
     `rivals` are other lines across the board that the picture alone cannot tell from the stripe.
+    `dot_radius` is that of the dots as seen, in pitches; None of corners, or without a picture.
     """
 
     name: str
     points: TargetPoints
     stripe: StripePoints | None
     rivals: tuple[StripePoints, ...] = ()
+    dot_radius: float | None = None

@@ -12,6 +12,10 @@ from station.errors import InputUnusable
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 RECORDING_SUFFIX = ".mcap"
 
+_PNG_SIGNATURE, _PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND"
+# The last chunk takes 12 bytes; some writers pad the file.
+_PNG_TAIL = 64
+
 _SOURCE_ALLOWED = "a recording (.mcap), a picture (PNG, JPEG, TIFF, BMP) or a folder of pictures"
 
 
@@ -30,7 +34,7 @@ def pictures_of(source: Path) -> list[Path]:
         If there is no such file, it is not a picture by its name, or the folder holds none.
     """
     if source.is_dir():
-        found = [path for path in source.iterdir() if path.suffix.lower() in PICTURE_SUFFIXES]
+        found = [path for path in source.iterdir() if _is_picture_file(path)]
         if not found:
             raise InputUnusable(
                 f"{source}: a folder without pictures; allowed: PNG, JPEG, TIFF, BMP in it"
@@ -43,11 +47,17 @@ def pictures_of(source: Path) -> list[Path]:
     return [source]
 
 
+def _is_picture_file(path: Path) -> bool:
+    # Hidden ones are what file managers leave behind, as ._im1.png of macOS.
+    known = path.suffix.lower() in PICTURE_SUFFIXES and not path.name.startswith(".")
+    return known and path.is_file()
+
+
 def read_picture(path: Path) -> Picture:
     """Read a picture as 8-bit grey, shape (H, W).
 
     Colour is turned to grey, transparency ignored. Deeper pictures are scaled from the smallest of
-    10, 12 or 16 bits that holds their brightest pixel, so that full scale stays full scale.
+    8, 10, 12 or 16 bits that holds their brightest pixel, so that full scale stays full scale.
 
     Raises
     ------
@@ -67,12 +77,17 @@ def read_picture(path: Path) -> Picture:
 
 
 def _decode(data: bytes) -> np.ndarray | None:
-    if not data:
+    if not data or _is_png_cut_short(data):
         return None
     try:
         return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:
         return None
+
+
+def _is_png_cut_short(data: bytes) -> bool:
+    # libpng would tell of it on stderr, past every log and beside the one line of a refusal.
+    return data.startswith(_PNG_SIGNATURE) and _PNG_END not in data[-_PNG_TAIL:]
 
 
 def _eight_bit(pixels: np.ndarray, path: Path) -> np.ndarray:
@@ -81,7 +96,7 @@ def _eight_bit(pixels: np.ndarray, path: Path) -> np.ndarray:
     if pixels.dtype != np.uint16:
         raise InputUnusable(f"{path}: pixels of type {pixels.dtype}; allowed: 8 or 16 bits")
     brightest = int(pixels.max())
-    full_scale = next(2**bits - 1 for bits in (10, 12, 16) if brightest < 2**bits)
+    full_scale = next(2**bits - 1 for bits in (8, 10, 12, 16) if brightest < 2**bits)
     return np.asarray(np.rint(pixels * (255.0 / full_scale)), dtype=np.uint8)
 
 

@@ -14,6 +14,9 @@ _VOTE_REACH = 0.08
 _MEMBER_REACH = 0.10
 # The normal of a point of the section, against the direction to the centre.
 _ALIKE = 0.95
+# What only crosses the section has most of its neighbours off it.
+_NEIGHBOURS_PX = 15.0
+_MOSTLY = 0.5
 # Over one cylinder the focus, and so the width of the stripe, changes by far less.
 _WIDTHS_ALIKE = 2.0
 _FAINTEST = 1.0 / 3.0
@@ -62,7 +65,22 @@ def points_of_arc(
     member = aligned & (np.abs(distance - radius_mm) < _MEMBER_REACH * radius_mm)
     on_arc = none
     on_arc[found[member]] = True
-    return _like_the_others(stripe, on_arc), np.asarray(centre)
+    on_arc = _like_the_others(stripe, on_arc)
+    return _among_their_like(stripe.centre_px, on_arc), np.asarray(centre)
+
+
+def _among_their_like(centre_px: FloatArray, member: BoolArray) -> BoolArray:
+    """Tell the members whose neighbours are mostly members too.
+
+    An edge that crosses the section shares a few points with it, at its ends the worst: they are
+    far from the others and turn it.
+    """
+    if not member.any():
+        return member
+    all_points, members = KDTree(centre_px), KDTree(centre_px[member])
+    near = all_points.query_ball_point(centre_px, _NEIGHBOURS_PX, return_length=True)
+    alike = members.query_ball_point(centre_px, _NEIGHBOURS_PX, return_length=True)
+    return np.asarray(member & (alike >= _MOSTLY * near))
 
 
 def _like_the_others(stripe: StripePoints, among: BoolArray) -> BoolArray:

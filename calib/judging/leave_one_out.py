@@ -1,7 +1,7 @@
 """Each pose measured by a calibration that has not seen it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,14 +10,10 @@ from calib.calibration import Method
 from calib.camera import CameraModel
 from calib.errors import CalibError
 from calib.lines import fit_line_robustly
-from calib.rigid import RigidTransform
 from calib.sensor import LaserSensor
 from calib.solving.calibrate import calibrate
-from calib.solving.joint.parameters import Estimate, Layout
-from calib.solving.joint.problem import Problem
-from calib.solving.joint.solve import solve
-from calib.solving.observations import Observations
-from calib.solving.start import has_stripe, start_pose, why_unusable
+from calib.solving.prepared import solve_dots
+from calib.solving.start import has_stripe, why_unusable
 from calib.target import Target
 from calib.views import View
 
@@ -117,25 +113,10 @@ def _left_out(
 def _errors_mm(view: View, target: Target, sensor: LaserSensor) -> FloatArray:
     if view.stripe is None:
         return np.empty(0)
-    cam_from_board = _pose_by_dots(view, target, sensor.camera)
+    (cam_from_board,) = solve_dots([view], target, sensor.camera).estimate.poses
     rays = sensor.camera.rays(view.stripe.centre_px)
     rays = rays[fit_line_robustly(rays[:, :2])[1]]
     normal = cam_from_board.rotation[:, 2]
     on_board = rays * (normal @ cam_from_board.translation_mm / (rays @ normal))[:, None]
     further = sensor.plane.intersect(rays)[:, 2] / on_board[:, 2] - 1.0
     return np.asarray(further * np.linalg.norm(on_board, axis=1))
-
-
-def _pose_by_dots(view: View, target: Target, camera: CameraModel) -> RigidTransform:
-    """Return the most likely pose by the target's points alone, the camera held."""
-    bare = [replace(view, stripe=None)]
-    problem = Problem(
-        Observations.of(bare, target),
-        Layout((), plane=False),
-        prior=None,
-        stripe_in=np.zeros(1, dtype=bool),
-        on_line=np.zeros(0, dtype=bool),
-    )
-    start = Estimate.start(camera, None, [start_pose(view, target, camera)])
-    (pose,) = solve(problem, start, near=False).estimate.poses
-    return pose

@@ -93,9 +93,9 @@ def judge_repeatability(
     Notes
     -----
     Two parts of the same views share some, so they scatter less than two sets of new pictures
-    would: a mean of n of N, drawn without putting back, varies by the factor (N - n)/(N - 1) of
-    what n new ones give. `expected_spread_mm` has that factor in it. Where the camera is given,
-    its own doubt is common to all draws and does not show in their scatter.
+    would: a mean of n of N, drawn without putting back, has 1 - n/N of the variance that n new
+    ones give, on average over sets of N. `expected_spread_mm` has that factor in it. Where the
+    camera is given, its own doubt is common to all draws and does not show in their scatter.
     """
     if not (draws >= _FEWEST_SOLVED and take >= _LEAST_TAKEN):
         raise ValueError(f"draws and take must be at least 2, got {draws} and {take}")
@@ -121,7 +121,7 @@ def judge_repeatability(
             f"{len(sensors)} of {draws} parts of {take} pictures could be solved ({refusals[0]}); "
             "draw more pictures at a time"
         )
-    shared = np.sqrt((len(striped) - take) / max(len(striped) - 1, 1))
+    shared = np.sqrt(1.0 - take / len(striped))
     field_px = _seen_field(striped, width, height)
     return Repeatability(
         method=method,

@@ -6,15 +6,19 @@ import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.seeing import saddle
+from calib.seeing.coherence import in_squares
 from calib.seeing.lattice import Lattice
 from calib.seeing.noise import PixelNoise
-from calib.seeing.patch_fit import SCALES_PX, Patches, PatchFit, fit_patches, spread_over_scales
+from calib.seeing.patch_fit import Effort, PatchFit, fit_patches
+from calib.seeing.patch_spread import LARGEST_SCALE_PX, sigma_with_spread, spread_over_scales
+from calib.seeing.patches import Patches
 from calib.seeing.resample import box_smoothed
 from calib.seeing.stripe_lines import StripeLine, lit_by
 from calib.views import Cause
 
 _PATCH_PITCHES, _LARGEST_PATCH_PX, _SMALLEST_PATCH_PX = 0.38, 11.0, 3.5
 _START_BLUR_PX = 1.2
+_EFFORT = Effort(tolerance_px=5e-4, most_steps=12)
 _STRIPE_FOOT = 0.06  # of half a corner's contrast
 _CROSSED_FROM, _CLIPPED_FROM, _MOST_HIDDEN = 0.02, 0.05, 0.6
 _FAINTEST, _LEAST_HEIGHT = 0.2, 2.0
@@ -41,8 +45,8 @@ def measure_corners(
 ) -> Corners:
     """Fit the picture of a corner at each node of a lattice.
 
-    Sigma is the larger of what noise and scatter give by the fit, and of the spread of the
-    centre over Gaussian kernels. Pixels that a stripe lights up are not looked at.
+    Sigma is the larger of the fit's, and of half the spread of the centre over Gaussian
+    kernels. Pixels that a stripe lights up are not looked at.
 
     Parameters
     ----------
@@ -67,10 +71,10 @@ def measure_corners(
     place, foot = patches.places_px(), _STRIPE_FOOT * contrast
     band = lit_by(lines, place, foot)
     first = saddle.start(centre, patches.origin.astype(np.float64), edges, _START_BLUR_PX)
-    fit = fit_patches(patches.without(band), first, saddle.evaluate, saddle.sound)
-    seen = [patches.without(lit_by(lines, place, foot, scale)) for scale in SCALES_PX]
+    fit = fit_patches(patches.without(band), first, saddle.evaluate, saddle.sound, effort=_EFFORT)
+    seen = patches.without(lit_by(lines, place, foot, LARGEST_SCALE_PX))
     spread = spread_over_scales(picture, seen, fit, saddle.evaluate, saddle.BLUR)
-    sigma = np.maximum(fit.sigma_px, spread)
+    sigma = sigma_with_spread(fit.sigma_px, spread)
     hidden = band.mean(axis=1)
     return Corners(
         centre_px=fit.parameters[:, :2] + patches.origin,
@@ -85,7 +89,7 @@ def _cut(picture: Picture, noise: PixelNoise, centre: FloatArray, pitch: float) 
     reach = float(np.clip(_PATCH_PITCHES * pitch, _SMALLEST_PATCH_PX, _LARGEST_PATCH_PX))
     side = np.arange(-int(reach), int(reach) + 1)
     offset = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-    offset = offset[np.hypot(*offset.T) <= reach]
+    offset = in_squares(offset[np.hypot(*offset.T) <= reach])
     use = np.ones((len(centre), len(offset)), dtype=bool)
     origin = np.rint(centre).astype(np.int64)
     return Patches.cut(picture, box_smoothed(picture), noise, origin, offset, use)

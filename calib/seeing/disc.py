@@ -1,4 +1,4 @@
-"""The picture of a disc: an ellipse with a blurred edge, on a sloping ground, clipped."""
+"""The picture of a disc: a domed ellipse with a blurred edge, on a sloping ground, clipped."""
 
 from typing import NamedTuple
 
@@ -12,8 +12,8 @@ U, V = 0, 1
 Q11, Q12, Q22 = 2, 3, 4
 BLUR = 5
 GROUND, GROUND_U, GROUND_V = 6, 7, 8
-HEIGHT, HEIGHT_U, HEIGHT_V = 9, 10, 11
-COUNT = 12
+HEIGHT, HEIGHT_U, HEIGHT_V, DOME = 9, 10, 11, 12
+COUNT = 13
 """The place of each parameter; see `evaluate`."""
 
 _ROOT_TWO_PI = float(np.sqrt(2.0 * np.pi))
@@ -52,7 +52,8 @@ def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray,
     ----------
     parameters
         Shape (N, COUNT): centre, form of the ellipse, blur of the edge (standard deviation, px),
-        brightness of the ground and its slopes, height over the ground and its slopes.
+        brightness of the ground and its slopes, height over the ground, its slopes and its
+        bending (a diffuser over one lamp is brighter in its middle), counts / px^2.
     offset_px
         Shape (K, 2), places from each disc's origin.
 
@@ -72,7 +73,8 @@ def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray,
     blur = parameters[:, BLUR, None]
     linear = np.stack([np.ones(len(offset_px), dtype=parameters.dtype), *offset_px.T])
     inside = ndtr(s / blur)
-    height = parameters[:, HEIGHT:] @ linear
+    uneven = np.concatenate([linear, (linear[1:] ** 2).sum(axis=0, keepdims=True)])
+    height = parameters[:, HEIGHT:] @ uneven
     edge = height * np.exp(-0.5 * (s / blur) ** 2) / (np.float32(_ROOT_TWO_PI) * blur)
     jacobian = np.empty((len(parameters), COUNT, len(offset_px)), dtype=parameters.dtype)
     per_length = edge / place.length
@@ -83,7 +85,7 @@ def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray,
     jacobian[:, Q22] = -0.5 * per_length * y * y
     jacobian[:, BLUR] = -edge * s / blur
     jacobian[:, GROUND:HEIGHT] = linear
-    jacobian[:, HEIGHT:] = inside[:, None, :] * linear
+    jacobian[:, HEIGHT:] = inside[:, None, :] * uneven
     return parameters[:, GROUND:HEIGHT] @ linear + height * inside, jacobian
 
 
@@ -106,7 +108,9 @@ def sound(parameters: FloatArray, before: FloatArray) -> FloatArray:
     bright = now[:, [GROUND, HEIGHT]]
     now[:, [GROUND, HEIGHT]] = np.clip(bright, -_BRIGHTEST, _BRIGHTEST)
     steepest = _MOST_UNEVEN * np.abs(now[:, HEIGHT, None]) / radius[:, None]
-    now[:, HEIGHT_U:] = np.clip(now[:, HEIGHT_U:], -steepest, steepest)
+    now[:, HEIGHT_U:DOME] = np.clip(now[:, HEIGHT_U:DOME], -steepest, steepest)
+    roundest = steepest / radius[:, None]
+    now[:, DOME:] = np.clip(now[:, DOME:], -roundest, roundest)
     slopes = now[:, GROUND_U : GROUND_V + 1]
     now[:, GROUND_U : GROUND_V + 1] = np.clip(slopes, -_STEEPEST, _STEEPEST)
     return now

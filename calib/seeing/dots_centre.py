@@ -1,27 +1,25 @@
 """The centres of dots whose outlines are roughly known, and how well they are known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.seeing import disc
+from calib.seeing.coherence import in_squares
+from calib.seeing.dots_alike import alike, even_dots
 from calib.seeing.ellipse import Ellipses
 from calib.seeing.noise import PixelNoise
-from calib.seeing.patch_fit import (
-    SCALES_PX,
-    Patches,
-    PatchFit,
-    fit_patches,
-    masked_median,
-    spread_over_scales,
-)
+from calib.seeing.patch_fit import AGAIN, ROUGHLY, PatchFit, Prior, fit_patches
+from calib.seeing.patch_spread import LARGEST_SCALE_PX, sigma_with_spread, spread_over_scales
+from calib.seeing.patches import Patches, masked_median
 from calib.seeing.resample import box_smoothed
 from calib.seeing.stripe_lines import StripeLine, lit_by
 
 _EDGE_REACH_PX = 4.5
 _START_BLUR_PX = 1.5
 _LARGEST_SIGMA = 0.15  # of the radius: beyond, it is not sure that this is a dot
+_CLIPPED_INSIDE = 0.1
 _STRIPE_FOOT = 0.04  # of a dot's height: what of a stripe does not disturb its edge
 
 
@@ -92,9 +90,11 @@ def measure_dots(
     Notes
     -----
     Only pixels within 4.5 px of the outline are used: the flat rest tells nothing of the centre.
-    Sigma is the larger of what noise and scatter give by the fit, and of the spread of the
-    centre over Gaussian kernels [1]_, which shows what a disc's model does not explain: a
-    neighbour's light, a reflection's border.
+    Each dot is fitted twice: by itself, and with what the others say of its form, its blur and
+    its dome, which weighs the more, the more what is left over hangs together.
+    Sigma is the larger of the fit's and of half the spread of the centre over Gaussian
+    kernels [1]_, which shows what a disc's model does not explain: a neighbour's light, a
+    reflection's border.
 
     References
     ----------
@@ -108,16 +108,15 @@ def measure_dots(
     _set_brightness(first, patches, offset)
     place, foot = patches.places_px(), _STRIPE_FOOT * np.abs(first[:, disc.HEIGHT])
     band = lit_by(lines, place, foot)
-    fit = fit_patches(patches.without(band), first, disc.evaluate, disc.sound)
-    seen = [patches.without(lit_by(lines, place, foot, scale)) for scale in SCALES_PX]
-    spread = spread_over_scales(picture, seen, fit, disc.evaluate, disc.BLUR)
-    by_noise = fit.sigma_px
-    edge = ring & (np.abs(disc.inward_px(first, offset.astype(np.float64))) < 2.5)
     sign = -1.0 if dark else 1.0
+    fit, prior = _fit_twice(patches.without(band), first, outlines.radius_px, sign)
+    seen = patches.without(lit_by(lines, place, foot, LARGEST_SCALE_PX))
+    spread = spread_over_scales(picture, seen, fit, disc.evaluate, disc.BLUR, prior)
+    edge = ring & (np.abs(disc.inward_px(first, offset.astype(np.float64))) < 2.5)
     radius = outlines.radius_px
     parameters = fit.parameters
     ground = np.clip(parameters[:, disc.GROUND], 0.0, 255.0)
-    sigma = np.maximum(by_noise, spread)
+    sigma = sigma_with_spread(fit.sigma_px, spread)
     return DotCentres(
         centre_px=parameters[:, :2] + origin,
         sigma_px=sigma,
@@ -137,6 +136,7 @@ def _ring(first: FloatArray, outlines: Ellipses) -> tuple[IntArray, BoolArray]:
     reach = int(np.ceil(float(outlines.axes_px.max()) + _EDGE_REACH_PX))
     side = np.arange(-reach, reach + 1)
     offset = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    offset = in_squares(offset)
     ring = np.abs(disc.inward_px(first, offset.astype(np.float64))) <= _EDGE_REACH_PX
     used = ring.any(axis=0)
     return offset[used], ring[:, used]
@@ -149,6 +149,22 @@ def _set_brightness(first: FloatArray, patches: Patches, offset: IntArray) -> No
     for column, side in ((disc.GROUND, inward < -2.0), (disc.HEIGHT, inward > 2.0)):
         first[:, column] = masked_median(patches.samples, used & side)
     first[:, disc.HEIGHT] -= first[:, disc.GROUND]
+
+
+def _fit_twice(
+    patches: Patches, first: FloatArray, radius: FloatArray, sign: float
+) -> tuple[PatchFit, Prior]:
+    """Fit each dot by itself, and again with what all of them say."""
+    inside = disc.inward_px(first, patches.offset.astype(np.float64)) > 2.0
+    inside &= patches.weight > 0.0
+    clipped = (patches.clipped & inside).sum(axis=1) > _CLIPPED_INSIDE * inside.sum(axis=1)
+    even = even_dots(first, radius, clipped)
+    rough = fit_patches(patches, first, disc.evaluate, disc.sound, even, ROUGHLY)
+    usable = _trusted(rough, first, sign, rough.sigma_px)
+    place = rough.parameters[:, :2] + patches.origin
+    told = alike(rough.parameters, place, radius, usable, clipped)
+    prior = replace(told, noise=np.maximum(rough.coherence, 1.0))
+    return fit_patches(patches, rough.parameters, disc.evaluate, disc.sound, prior, AGAIN), prior
 
 
 def _trusted(fit: PatchFit, first: FloatArray, sign: float, sigma: FloatArray) -> BoolArray:

@@ -15,6 +15,9 @@ Node = tuple[int, int]
 _NEAR_PREDICTION = 0.22  # of the step to a neighbour
 _NEAR_HOMOGRAPHY = 0.18
 _MOST_SEEDS = 60
+_NEIGHBOURS = 8
+_PAIRS_INSIDE = 2
+_ENOUGH = 0.9  # of the target's points
 _SIZE_RATIO = 1.7
 _STEPS: tuple[Node, ...] = ((0, 1), (1, 0), (0, -1), (-1, 0))
 
@@ -43,6 +46,18 @@ class Lattice:
     def predict(self, node: IntArray | FloatArray) -> FloatArray:
         """Return where nodes, shape (N, 2), are seen, px."""
         return apply_homography(self.picture_from_node, np.asarray(node, dtype=np.float64))
+
+    def likeness(self, rows: int, cols: int) -> int:
+        """Return how many points a target of this shape could hold at most, less the others."""
+        origin = self.node.min(axis=0)
+        seen = np.zeros(np.ptp(self.node, axis=0) + 1)
+        seen[tuple((self.node - origin).T)] = 1.0
+        held = 0
+        for height, width in ((rows, cols), (cols, rows)):
+            padded = np.pad(seen, ((height, height), (width, width)))
+            total = cv2.boxFilter(padded, -1, (width, height), normalize=False)
+            held = max(held, round(float(total.max())))
+        return 2 * held - len(self)
 
     def extent(self, rows: int, cols: int) -> tuple[IntArray, IntArray]:
         """Return the first and last nodes, shape (2,) each, where points of a target may be.
@@ -87,8 +102,10 @@ class Lattice:
         return np.array(empty, dtype=np.int64).reshape(-1, 2)
 
 
-def find_lattice(points_px: FloatArray, size_px: FloatArray, wanted: int) -> Lattice | None:
-    """Find the largest projected lattice among points.
+def find_lattice(
+    points_px: FloatArray, size_px: FloatArray, rows: int, cols: int
+) -> Lattice | None:
+    """Find the projected lattice among points that is most like a target.
 
     Parameters
     ----------
@@ -96,8 +113,8 @@ def find_lattice(points_px: FloatArray, size_px: FloatArray, wanted: int) -> Lat
         Shape (N, 2), the target's points among others.
     size_px
         Shape (N,): neighbours are of like size.
-    wanted
-        How many points the target has: the search ends when nearly as many are found.
+    rows, cols
+        Of the target: a wall of tiles or lamps behind it is a lattice too, but a larger one.
 
     Returns
     -------
@@ -111,24 +128,42 @@ def find_lattice(points_px: FloatArray, size_px: FloatArray, wanted: int) -> Lat
     distance[unlike] = np.inf
     np.fill_diagonal(distance, np.inf)
     best: Lattice | None = None
+    most = -np.inf
     tried = np.zeros(len(points_px), dtype=bool)
-    for seed in _seed_order(points_px)[:_MOST_SEEDS]:
-        if tried[seed]:
-            continue
-        for basis in _bases(points_px, distance, seed):
-            grown = _grow(points_px, size_px, seed, basis)
-            lattice = _checked(points_px, size_px, grown)
-            if lattice is not None and (best is None or len(lattice) > len(best)):
-                best = lattice
-                tried[lattice.index] = True
-        if best is not None and len(best) >= 0.9 * wanted:
+    order = _seed_order(points_px, distance)
+    for _ in range(_MOST_SEEDS):
+        left = order[~tried[order]]
+        if left.size == 0 or most >= _ENOUGH * rows * cols:
             break
+        tried[left[0]] = True
+        for basis in _bases(points_px, distance, int(left[0])):
+            lattice = _checked(points_px, size_px, _grow(points_px, size_px, int(left[0]), basis))
+            if lattice is None:
+                continue
+            tried[lattice.index] = True
+            likeness = lattice.likeness(rows, cols)
+            if likeness > most:
+                best, most = lattice, likeness
     return best
 
 
-def _seed_order(points_px: FloatArray) -> IntArray:
-    """Return points by distance from the median: the middle of a target is the best start."""
-    return np.argsort(np.linalg.norm(points_px - np.median(points_px, axis=0), axis=1))
+def _seed_order(points_px: FloatArray, distance: FloatArray) -> IntArray:
+    """Return points by how many pairs of like neighbours they lie midway between.
+
+    Inside a lattice there are two such pairs and more, in a scatter of spots hardly one. Of equals
+    the one nearest to the median comes first: the middle of a target is the best start.
+    """
+    count = min(_NEIGHBOURS, len(points_px) - 1)
+    near = np.argpartition(distance, count, axis=1)[:, :count]
+    step = points_px[near] - points_px[:, None]
+    reachable = np.isfinite(np.take_along_axis(distance, near, axis=1))
+    length = np.where(reachable, np.linalg.norm(step, axis=2), np.nan)
+    off = np.linalg.norm(step[:, :, None] + step[:, None], axis=3)
+    with np.errstate(invalid="ignore"):
+        paired = off < _NEAR_PREDICTION * np.minimum(length[:, :, None], length[:, None])
+    pairs = paired.sum(axis=(1, 2)) // 2
+    from_middle = np.linalg.norm(points_px - np.median(points_px, axis=0), axis=1)
+    return np.lexsort((from_middle, -np.minimum(pairs, _PAIRS_INSIDE)))
 
 
 def _bases(points_px: FloatArray, distance: FloatArray, seed: int) -> list[FloatArray]:

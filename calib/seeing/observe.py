@@ -63,7 +63,7 @@ def observe_target(
     if pattern is None:
         raise TargetNotFound(_refusal(name, target, "no pattern of points is seen"))
     if laser_off is None:
-        stripes = find_board_stripes(picture, noise, pattern.area(target))
+        stripes = find_board_stripes(pattern.without_marks(picture), noise, pattern.area(target))
         seen = pattern.numbered(scene, noise, target, stripes.lines)
     else:
         lit = np.asarray(cv2.subtract(picture, laser_off), dtype=np.uint8)
@@ -77,7 +77,7 @@ def observe_target(
         raise TargetNotFound(_refusal(name, target, f"{len(seen)} points are seen"))
     candidates = stripes_of_board(stripes, seen.area(target))
     likeliest = candidates[0] if candidates else None
-    return View(name, seen.sorted_points(), likeliest, tuple(candidates[1:]))
+    return View(name, seen.sorted_points(), likeliest, tuple(candidates[1:]), seen.dot_radius)
 
 
 def _refusal(name: str, target: Target, seen: str) -> str:

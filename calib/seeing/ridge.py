@@ -20,6 +20,9 @@ KERNEL_REACH = 3.6
 FRACTIONS = 32
 """Places between pixels are taken to 1/32 px; the step from there to the top makes up the rest."""
 
+_BLOCK = 256
+_PICKED = (1, 3, 2, 4, 6)  # g_u, g_v, g_uu, g_uv, g_vv of the products (v, u)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ridge:
@@ -96,11 +99,9 @@ def gaussian_rows(sigma_px: float, shift_px: FloatArray) -> FloatArray:
     return np.stack([g, slope, bend], axis=1)
 
 
-def windows_at(picture: NDArray[np.generic], pixels: IntArray, radius: int) -> Float32Array:
+def _windows_at(picture: NDArray[np.generic], pixels: IntArray, radius: int) -> Float32Array:
     """Return the square windows, shape (N, K, K), about whole pixels (u, v) that are inside."""
     size = 2 * radius + 1
-    if len(pixels) == 0:  # as in a picture smaller than the window
-        return np.zeros((0, size, size), dtype=np.float32)
     view = sliding_window_view(picture, (size, size))
     return view[pixels[:, 1] - radius, pixels[:, 0] - radius].astype(np.float32)
 
@@ -120,25 +121,33 @@ def _row_table(sigma_px: float) -> Float32Array:
     return gaussian_rows(sigma_px, shift).astype(np.float32)
 
 
-def ridge_between_pixels(windows: Float32Array, fraction: IntArray, sigma_px: float) -> Ridge:
-    """Return the ridge at places off the middle of each window, shape (N, K, K).
+def ridge_between_pixels(
+    picture: NDArray[np.generic], pixels: IntArray, fraction: IntArray, sigma_px: float
+) -> Ridge:
+    """Return the ridge at places between pixels, a kernel's radius or more off the border.
 
     Equation 2 taken from a pixel half a pixel off the top errs by 0.125 / (σg² + σw²) px; taken
     once more where it points to, by nothing that matters.
 
     Parameters
     ----------
-    windows
-        Shape (N, K, K).
+    picture
+        Shape (H, W).
+    pixels
+        Shape (N, 2), whole pixels (u, v).
     fraction
-        Shape (N, 2), the place (u, v) from the middle in steps of ``1 / FRACTIONS`` px, half a
+        Shape (N, 2), the place (u, v) from each pixel in steps of ``1 / FRACTIONS`` px, half a
         pixel at most.
     sigma_px
         The kernel's width.
     """
-    table = _row_table(sigma_px)
-    rows_u, rows_v = (table[fraction[:, axis] + FRACTIONS // 2] for axis in (0, 1))
-    products = rows_v @ windows @ rows_u.transpose(0, 2, 1)
-    picked = [(0, 1), (1, 0), (0, 2), (1, 1), (2, 0)]
-    derivatives = np.stack([products[:, i, j] for i, j in picked], axis=1)
-    return Ridge.from_derivatives(derivatives.astype(np.float64))
+    table, radius = _row_table(sigma_px), kernel_radius(sigma_px)
+    derivatives = np.empty((len(pixels), 5))
+    # The windows of a whole stripe would not stay in the processor's cache.
+    for first in range(0, len(pixels), _BLOCK):
+        block = np.s_[first : first + _BLOCK]
+        columns_u = table.transpose(0, 2, 1)[fraction[block, 0] + FRACTIONS // 2]
+        rows_v = table[fraction[block, 1] + FRACTIONS // 2]
+        products = rows_v @ _windows_at(picture, pixels[block], radius) @ columns_u
+        derivatives[block] = products.reshape(-1, 9)[:, _PICKED]
+    return Ridge.from_derivatives(derivatives)

@@ -10,11 +10,14 @@ ANGLE_1, ANGLE_2 = 2, 3
 BLUR = 4
 GROUND, GROUND_U, GROUND_V = 5, 6, 7
 HEIGHT = 8
-COUNT = 9
+SHRINK = 9
+COUNT = 10
 """The place of each parameter; see `evaluate`."""
 
 _NARROWEST_BLUR_PX, _WIDEST_BLUR_PX = 0.3, 5.0
 _LARGEST_TURN = 0.2  # rad a step
+_MOST_SHRINK_PX = 2.0
+_DENSITY = float(1.0 / np.sqrt(2.0 * np.pi))
 
 
 def start(
@@ -41,7 +44,8 @@ def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray,
     ----------
     parameters
         Shape (N, COUNT): centre, angles of the two edges' normals, blur of the edges (standard
-        deviation, px), mean brightness and its slopes, half the contrast of the squares.
+        deviation, px), mean brightness and its slopes, half the contrast of the squares, how
+        far ink, bloom or a curved response has moved every edge into the first squares, px.
     offset_px
         Shape (K, 2), places from each corner's origin.
 
@@ -52,29 +56,33 @@ def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray,
 
     Notes
     -----
-    ``ground + height * e(d1) * e(d2)``, with d the distances from the two edges and
-    ``e(d) = 2 Phi(d / blur) - 1``.
+    ``ground + height * (2 F - 1)``, with F the share of the first two squares, those on the
+    like sides of both edges: ``F = Phi(a - t) Phi(b - t) + Phi(-a - t) Phi(-b - t)``, with a, b
+    the distances from the two edges and t the shrinking, over the blur. A negative t is that of
+    the other two squares.
     """
     u, v = offset_px.T
     x, y = u - parameters[:, U, None], v - parameters[:, V, None]
     blur, height = parameters[:, BLUR, None], parameters[:, HEIGHT, None]
+    shrink = np.abs(parameters[:, SHRINK, None]) / blur
+    first = np.where(parameters[:, SHRINK, None] < 0.0, -1.0, 1.0).astype(parameters.dtype)
+    (cos_1, sin_1, turn_1, d_1), (cos_2, sin_2, turn_2, d_2) = (
+        _edge(parameters[:, column, None], x, y, blur) for column in (ANGLE_1, ANGLE_2)
+    )
+    # Of the other two squares one lies on the unlike side of the second edge.
+    share, by_1, by_2, by_shrink = _squares(d_1, first * d_2, shrink)
+    by_2, twice = first * by_2, 2.0 * first * height
+    rise_1, rise_2 = twice * by_1 / blur, twice * by_2 / blur
     jacobian = np.empty((len(parameters), COUNT, len(u)), dtype=parameters.dtype)
-    sides, slopes, normals = [], [], []
-    for column in (ANGLE_1, ANGLE_2):
-        cos, sin = np.cos(parameters[:, column, None]), np.sin(parameters[:, column, None])
-        d = (x * cos + y * sin) / blur
-        sides.append(2.0 * ndtr(d) - 1.0)
-        slopes.append(np.float32(np.sqrt(2.0 / np.pi)) * np.exp(-0.5 * d * d) / blur)
-        normals.append((cos, sin, y * cos - x * sin, d))
-    rise_1, rise_2 = height * slopes[0] * sides[1], height * sides[0] * slopes[1]
-    (cos_1, sin_1, turn_1, d_1), (cos_2, sin_2, turn_2, d_2) = normals
     jacobian[:, U] = -rise_1 * cos_1 - rise_2 * cos_2
     jacobian[:, V] = -rise_1 * sin_1 - rise_2 * sin_2
     jacobian[:, ANGLE_1], jacobian[:, ANGLE_2] = rise_1 * turn_1, rise_2 * turn_2
-    jacobian[:, BLUR] = -rise_1 * d_1 - rise_2 * d_2
+    narrowed = twice * by_shrink / blur
+    jacobian[:, BLUR] = -rise_1 * d_1 - rise_2 * d_2 - narrowed * shrink
     linear = np.stack([np.ones_like(u), u, v])
     jacobian[:, GROUND:HEIGHT] = linear
-    jacobian[:, HEIGHT] = sides[0] * sides[1]
+    jacobian[:, HEIGHT] = first * (2.0 * share - 1.0)
+    jacobian[:, SHRINK] = first * narrowed
     ground = parameters[:, GROUND:HEIGHT] @ linear
     return ground + height * jacobian[:, HEIGHT], jacobian
 
@@ -89,4 +97,28 @@ def sound(parameters: FloatArray, before: FloatArray) -> FloatArray:
     now = before + step
     blur = np.clip(now[:, BLUR], 0.6 * before[:, BLUR], 1.6 * before[:, BLUR])
     now[:, BLUR] = np.clip(blur, _NARROWEST_BLUR_PX, _WIDEST_BLUR_PX)
+    now[:, SHRINK] = np.clip(now[:, SHRINK], -_MOST_SHRINK_PX, _MOST_SHRINK_PX)
     return now
+
+
+def _edge(
+    angle: FloatArray, x: FloatArray, y: FloatArray, blur: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return an edge's normal, places along it, and their distances from it over the blur."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return cos, sin, y * cos - x * sin, (x * cos + y * sin) / blur
+
+
+def _squares(
+    a: FloatArray, b: FloatArray, shrink: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the share of two squares opposite each other, and its derivatives by a, b, shrink."""
+    near_a, near_b, far_a, far_b = (ndtr(s * d - shrink) for s in (1.0, -1.0) for d in (a, b))
+    top = np.float32(_DENSITY)
+    rise_a, rise_b, fall_a, fall_b = (
+        top * np.exp(-0.5 * (s * d - shrink) ** 2) for s in (1.0, -1.0) for d in (a, b)
+    )
+    by_a = rise_a * near_b - fall_a * far_b
+    by_b = near_a * rise_b - far_a * fall_b
+    by_shrink = -(rise_a * near_b + near_a * rise_b + fall_a * far_b + far_a * fall_b)
+    return near_a * near_b + far_a * far_b, by_a, by_b, by_shrink

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import FloatArray, IntArray
+from calib.homography import apply_homography
 from calib.seeing.ellipse import Ellipses
 from calib.seeing.stripe_on_board import BoardArea
 from calib.target import Target
@@ -38,6 +39,20 @@ class SeenTarget:
 
     def __len__(self) -> int:
         return len(self.place)
+
+    @property
+    def dot_radius(self) -> float | None:
+        """Radius of the dots, in pitches, by the areas of their outlines; None for a chessboard."""
+        if self.outlines is None:
+            return None
+        here = self.place.astype(np.float64)
+        down, right = (
+            apply_homography(self.picture_from_board, here + 0.5 * step)
+            - apply_homography(self.picture_from_board, here - 0.5 * step)
+            for step in np.eye(2)
+        )
+        cell_px2 = np.abs(down[:, 0] * right[:, 1] - down[:, 1] * right[:, 0])
+        return float(np.median(self.outlines.radius_px / np.sqrt(cell_px2)))
 
     def area(self, target: Target) -> BoardArea:
         """Return where the target is in the picture."""

@@ -1,13 +1,15 @@
 """Sub-pixel location of the laser stripe, by Steger's method, with its uncertainty."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.seeing.noise import PixelNoise
 from calib.seeing.resample import shrunk
-from calib.seeing.ridge import FRACTIONS, inside, kernel_radius, ridge_between_pixels, windows_at
+from calib.seeing.ridge import FRACTIONS, inside, kernel_radius, ridge_between_pixels
 from calib.seeing.stripe_order import running_mean
-from calib.seeing.stripe_profile import Profiles, fit_profiles, sample_across
+from calib.seeing.stripe_profile import Profiles, fit_profiles, sample_across, stands_out
 from calib.seeing.stripe_seeds import StripeSeeds, find_seeds
 from calib.views import Cause, StripePoints
 
@@ -17,12 +19,17 @@ KERNELS_PX = (1.5, 2.1, 3.0, 4.2, 6.0)
 _SCALES_IF_CLIPPED = (0.75, 1.33)
 _WIDEST_KERNEL_PX = 4.5
 _CLIPPED_SIGMA_PX = 0.006  # measured: what the sampling of a clipped edge leaves
+_LARGEST_CLIPPED_SIGMA_PX = 0.2  # a top that moves more from kernel to kernel is not the stripe's
+_LARGEST_DOUBT_PX = 0.15  # by the ground: more has a mark or a reflection beside
 _MOST_STEPS = 3
 _CLOSE_STEP_PX = 0.2
 _PROFILE_REACH = 18
 _SLOPE_HALF_WINDOW = 6
 _WORST_MISFIT = 0.25
 _STEEPEST_GROUND = 1.0
+_WIDEST_PX = 0.5 * _PROFILE_REACH  # of a wider bell the profile does not show the feet
+_BRIGHTEST_GROUND = 155.0  # under a clipped stripe: above, what is left of its flanks misleads
+_CAUSES = np.array([Cause.NONE, Cause.SATURATED], dtype=object)  # by whether the sensor clips
 
 
 def locate_stripe(
@@ -53,7 +60,8 @@ def locate_stripe(
     StripePoints
         About one point per pixel of the stripe's length. A picture without a stripe gives none.
         Any bright line as narrow as a stripe is one: which of them the laser drew is for the
-        caller to tell.
+        caller to tell. Left out is where the sensor clips because the ground is bright, where a
+        clipped top moves from kernel to kernel, and where a step of the ground is too near.
 
     Raises
     ------
@@ -93,39 +101,60 @@ def locate_stripe(
         raise ValueError(f"region must have shape {picture.shape}, got {region.shape}")
     if noise is None:
         noise = PixelNoise.from_picture(picture)
+    half = shrunk(picture, 2)
     seeds = find_seeds(
-        picture, noise, region=region, min_height=min_height, min_length_px=min_length_px
+        half, noise, region=region, min_height=min_height, min_length_px=min_length_px
     )
-    place, normal = seeds.place_px.reshape(-1, 2), np.repeat(seeds.normal, seeds.group, axis=0)
-    samples = sample_across(picture, place, normal, _PROFILE_REACH)
-    fits = fit_profiles(samples.reshape(len(seeds), seeds.group, samples.shape[1]).mean(axis=1))
-    trusted = np.flatnonzero(_is_stripe(fits, noise, min_height))
-    member = (trusted[:, None] * seeds.group + np.arange(seeds.group)).ravel()
-    profiles = fits.picked(np.repeat(trusted, seeds.group))
-    start = place[member] + profiles.centre_px[:, None] * normal[member]
-    slope = np.repeat(_ground_slope(fits, seeds, trusted), seeds.group, axis=0)
-    return _settled(picture, noise, start, slope, profiles)
+    samples = sample_across(picture, seeds.place_px, seeds.normal, _PROFILE_REACH)
+    outstanding = np.flatnonzero(stands_out(samples, 0.5 * min_height))
+    fits = fit_profiles(samples[outstanding])
+    sound = np.flatnonzero(_is_stripe(fits, noise, min_height))
+    fits, seeds = fits.picked(sound), seeds.picked(outstanding[sound])
+    start = seeds.place_px + (fits.centre_px[:, None] * seeds.normal)[:, None]
+    group = np.repeat(np.arange(len(seeds)), seeds.group)
+    slope = _ground_slope(fits, seeds)[group]
+    scales = _Scales(picture, half)
+    return _settled(scales, noise, start.reshape(-1, 2), slope, fits.picked(group))
 
 
-def _ground_slope(fits: Profiles, seeds: StripeSeeds, trusted: IntArray) -> FloatArray:
-    """Return the gradient of the ground, shape (T, 2), smoothed along the stripe.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Scales:
+    """A picture, and the same at half its size."""
+
+    full: Picture
+    half: Picture
+
+
+def _ground_slope(fits: Profiles, seeds: StripeSeeds) -> FloatArray:
+    """Return the gradient of the ground, shape (G, 2), smoothed along the stripe.
 
     A profile alone tells it so poorly that taking it off would add noise to the centres. One
     that is no bell on a slope, for a mark is near, has little weight.
     """
-    weight = 1.0 / (fits.misfit[trusted] ** 2 + 0.25)
-    slope = fits.slope[trusted, None] * seeds.normal[trusted]
+    weight = 1.0 / (fits.misfit**2 + 0.25)
+    slope = fits.slope[:, None] * seeds.normal
     total = running_mean(
         np.column_stack([weight[:, None] * slope, weight]),
-        seeds.place_px[trusted].mean(axis=1),
+        seeds.place_px.mean(axis=1),
         half_window=_SLOPE_HALF_WINDOW,
         gap_px=3.0 * seeds.group,
     )
     return np.asarray(total[:, :2] / total[:, 2:])
 
 
-def kernel_of(width_px: FloatArray) -> FloatArray:
-    """Return the kernel that a stripe of each width, not clipped, is located with."""
+def kernel_of(width_px: FloatArray, peak: FloatArray | None = None) -> FloatArray:
+    """Return the kernel that each point of a stripe is located with.
+
+    Parameters
+    ----------
+    width_px
+        Shape (N,), of the points.
+    peak
+        Shape (N,), of the points, on a dark ground: the sensor clips some. None for a stripe
+        that it does not clip.
+    """
+    if peak is not None:
+        width_px = _kernel_wanted(width_px, peak / 250.0)
     return np.array(KERNELS_PX)[_nearest_kernel(width_px)]
 
 
@@ -134,53 +163,63 @@ def _nearest_kernel(wanted_px: FloatArray) -> IntArray:
     return np.asarray(np.abs(ratio).argmin(axis=1), dtype=np.int64)
 
 
-def _kernel_wanted(profiles: Profiles) -> FloatArray:
-    """Return the width of kernel that suits each profile.
+def _kernel_wanted(width_px: FloatArray, over: FloatArray) -> FloatArray:
+    """Return the width of kernel that suits profiles `over` times as high as the sensor shows.
 
     That of the profile; on a flat, clipped top of half-width h Steger's condition asks for
     at least h / sqrt(3), and noise for a little more.
     """
-    over = np.maximum(profiles.height / np.maximum(250.0 - profiles.ground, 10.0), 1.0)
-    half_top = profiles.width_px * np.sqrt(2.0 * np.log(over))
-    return np.maximum(profiles.width_px, 0.75 * half_top)
+    half_top = width_px * np.sqrt(2.0 * np.log(np.maximum(over, 1.0)))
+    return np.asarray(np.maximum(width_px, 0.75 * half_top))
 
 
 def _is_stripe(fits: Profiles, noise: PixelNoise, min_height: float) -> BoolArray:
-    """Return which profiles are a bright line on both sides of which it is dark."""
+    """Return which profiles are a bright line on both sides of which it is dark.
+
+    Where the sensor clips a stripe because it lies in glare, the glare's own slope and bend are
+    clipped as well: by its flanks alone, above a ground of 160 counts, a centre was off by 2 to 4
+    sigmas, and by 0.7 px at the rim of the glare's core.
+    """
     grain = np.sqrt(noise.variance(fits.ground + fits.height))
     return np.asarray(
         (fits.height >= min_height)
         & (fits.misfit <= _WORST_MISFIT * np.minimum(fits.height, 255.0) + grain)
         & (np.abs(fits.slope) * 6.0 * fits.width_px <= _STEEPEST_GROUND * fits.height)
+        & (fits.width_px <= _WIDEST_PX)
+        & ~(fits.saturated & (fits.ground > _BRIGHTEST_GROUND))
     )
 
 
 def _settled(
-    picture: Picture,
+    scales: _Scales,
     noise: PixelNoise,
     start: FloatArray,
     slope: FloatArray,
     profiles: Profiles,
 ) -> StripePoints:
     """Go from near the ridge to its top, each point with the kernel of its width."""
-    choice = _nearest_kernel(_kernel_wanted(profiles))
+    over = profiles.height / np.maximum(250.0 - profiles.ground, 10.0)
+    choice = _nearest_kernel(_kernel_wanted(profiles.width_px, over))
     centre, across = np.empty_like(start), np.empty_like(start)
     sigma = np.full(len(start), np.inf)
     for k in np.unique(choice):
         index, kernel = np.flatnonzero(choice == k), KERNELS_PX[k]
-        centre[index], across[index], curvature = _tops(picture, start[index], slope[index], kernel)
+        centre[index], across[index], curvature = _tops(scales, start[index], slope[index], kernel)
         index, curvature = index[curvature < 0.0], curvature[curvature < 0.0]
         one = profiles.picked(index)
         sigma[index] = sigma_by_eq9(one, noise, kernel)
-        if not one.saturated.any():
-            continue
         clipped = index[one.saturated]
-        spread = _spread_over_scales(
-            picture, centre[clipped], across[clipped], slope[clipped], kernel
-        )
-        plain = _sigma_by_curvature(one, noise, kernel, curvature)[one.saturated]
-        sigma[clipped] = np.maximum(np.maximum(spread, plain), _CLIPPED_SIGMA_PX)
-    keep = _one_a_pixel(centre, np.isfinite(sigma))
+        if clipped.size > 0:
+            spread = _spread_over_scales(
+                scales, centre[clipped], across[clipped], slope[clipped], kernel
+            )
+            plain = _sigma_by_curvature(one, noise, kernel, curvature)[one.saturated]
+            sigma[clipped] = np.maximum(np.maximum(spread, plain), _CLIPPED_SIGMA_PX)
+    taken_off = np.abs((slope * across).sum(axis=1))
+    doubt = _doubt_by_ground(profiles, noise, taken_off, choice)
+    largest = np.where(profiles.saturated, _LARGEST_CLIPPED_SIGMA_PX, np.inf)
+    usable = (sigma < largest) & (doubt <= _LARGEST_DOUBT_PX)
+    keep = _one_a_pixel(centre, usable)
     kept = profiles.picked(keep)
     return StripePoints(
         centre_px=centre[keep],
@@ -189,12 +228,12 @@ def _settled(
         width_px=kept.width_px,
         peak=kept.height,
         saturated=kept.saturated,
-        cause=tuple(Cause.SATURATED if s else Cause.NONE for s in kept.saturated),
+        cause=tuple(_CAUSES[kept.saturated.astype(np.int64)]),
     )
 
 
 def _tops(
-    picture: Picture, start: FloatArray, slope: FloatArray, kernel: float
+    scales: _Scales, start: FloatArray, slope: FloatArray, kernel: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the ridge's top near each start, the normal and the curvature across it there.
 
@@ -202,10 +241,17 @@ def _tops(
     A wide kernel works on the picture at half its size: as exact, and a quarter of the work.
     """
     if kernel > _WIDEST_KERNEL_PX:
-        place, normal, curvature = _tops(
-            shrunk(picture, 2), 0.5 * (start - 0.5), 2.0 * slope, 0.5 * kernel
+        place, normal, curvature = _tops_in(
+            scales.half, 0.5 * (start - 0.5), 2.0 * slope, 0.5 * kernel
         )
         return 2.0 * place + 0.5, normal, 0.25 * curvature
+    return _tops_in(scales.full, start, slope, kernel)
+
+
+def _tops_in(
+    picture: Picture, start: FloatArray, slope: FloatArray, kernel: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the same in one picture: steps across the ridge until they are short."""
     place, normal = start.copy(), np.zeros_like(start)
     curvature = np.zeros(len(start))
     todo, radius = np.arange(len(start)), kernel_radius(kernel)
@@ -215,7 +261,7 @@ def _tops(
         todo, pixel = todo[clear], pixel[clear]
         fraction = np.rint((place[todo] - pixel) * FRACTIONS).astype(np.int64)
         place[todo] = pixel + fraction / FRACTIONS
-        ridge = ridge_between_pixels(windows_at(picture, pixel, radius), fraction, kernel)
+        ridge = ridge_between_pixels(picture, pixel, fraction, kernel)
         ground = (slope[todo] * ridge.normal).sum(axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             step = -(ridge.gradient - ground) / ridge.curvature
@@ -243,6 +289,22 @@ def sigma_by_eq9(profiles: Profiles, noise: PixelNoise, kernel: float) -> FloatA
     return np.asarray(np.sqrt(variance * noise.variance(flank)) / height)
 
 
+def _doubt_by_ground(
+    profiles: Profiles, noise: PixelNoise, slope: FloatArray, choice: IntArray
+) -> FloatArray:
+    """Return how far a slope of the ground wrongly taken off may move centres, shape (N,), px.
+
+    A step beside the stripe, as a mark's edge, looks like a slope to the fit, but leaves more than
+    noise: a slope is not better known than one that would leave as much.
+    """
+    w2, g2 = profiles.width_px**2, np.array(KERNELS_PX)[choice] ** 2
+    height = np.minimum(profiles.height, 255.0)
+    left = profiles.misfit**2 - noise.variance(profiles.ground + height)
+    doubt = np.sqrt(3.0 * np.maximum(left, 0.0)) / profiles.reach_px
+    per_slope = (w2 + g2) ** 1.5 / (height * profiles.width_px)
+    return np.asarray(per_slope * np.minimum(slope, doubt))
+
+
 def _sigma_by_curvature(
     profiles: Profiles, noise: PixelNoise, kernel: float, curvature: FloatArray
 ) -> FloatArray:
@@ -253,12 +315,12 @@ def _sigma_by_curvature(
 
 
 def _spread_over_scales(
-    picture: Picture, centre: FloatArray, normal: FloatArray, slope: FloatArray, kernel: float
+    scales: _Scales, centre: FloatArray, normal: FloatArray, slope: FloatArray, kernel: float
 ) -> FloatArray:
     """Return how far the top moves along the normal, rms, as the kernel grows and shrinks."""
     offsets = [np.zeros(len(centre))]
     for scale in _SCALES_IF_CLIPPED:
-        place, _, curvature = _tops(picture, centre, slope, scale * kernel)
+        place, _, curvature = _tops(scales, centre, slope, scale * kernel)
         moved = ((place - centre) * normal).sum(axis=1)
         offsets.append(np.where(curvature < 0.0, moved, kernel))
     return np.asarray(np.std(offsets, axis=0))

@@ -1,6 +1,6 @@
 """The stripe across the board: the right line of ridge points, free of the target's own marks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -18,8 +18,10 @@ _NEAR_PITCHES = 1.1
 
 _FAR_PITCHES = 4.0
 _SHORTEST_PITCHES = 1.5
-_CLEAR_OF_MARKS = 4.0  # widths of a stripe from a mark: nearer, its light pulls by over 0.02 px
+_CLEAR_OF_MARKS = 4.0  # widths of a stripe from a mark: farther, its light hardly pulls
 _OFF_MARKS = 2.0  # nearer there is no ridge of the stripe's own
+_PULL = float(np.sqrt(2.0 / np.pi))
+_MARKS_AND_GROUND = (5.0, 95.0)  # percentiles of the board's brightness
 _INDEPENDENT = 3.5  # kernels between two points whose errors are independent
 _FEWEST_POINTS = 6
 _FEWEST_TO_JUDGE = 12
@@ -69,19 +71,18 @@ class BoardArea:
         cv2.fillConvexPoly(mask, np.rint(np.clip(corners, -20000, 20000)).astype(np.int32), 1)
         return mask.astype(bool)
 
-    def marked(self, points_px: FloatArray, width_px: FloatArray, margin: float) -> BoolArray:
-        """Return which points a dot's outline, or a square's edge, is too near to.
+    def clearance_px(self, points_px: FloatArray) -> FloatArray:
+        """Return how far points, shape (N, 2), are from a dot's outline or a square's edge, (N,).
 
-        `margin` is in widths of the stripe.
+        Negative inside a dot; a pixel is left for what the outlines are not known to.
         """
-        reach = margin * width_px + 1.0
         if self.dots is not None:
-            return _near_dots(self.dots, points_px, reach)
+            return _beyond_dots_px(self.dots, points_px) - 1.0
         node_from_picture = np.asarray(np.linalg.inv(self.picture_from_node), dtype=np.float64)
         node = apply_homography(node_from_picture, points_px)
-        gap = np.abs(node - np.rint(node)) * self.pitch_px < reach[:, None]
+        gap = np.abs(node - np.rint(node)).min(axis=1) * self.pitch_px
         inside = ((node > self.low - 1.2) & (node < self.high + 1.2)).all(axis=1)
-        return np.asarray(gap.any(axis=1) & inside)
+        return np.where(inside, gap - 1.0, np.inf)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,11 +97,14 @@ class BoardStripes:
         Their lines; `member` counts in `points`.
     off_board
         The lines were found only beyond what surely is the board.
+    contrast
+        Counts between the board's marks and its ground.
     """
 
     points: StripePoints
     lines: list[StripeLine]
     off_board: bool
+    contrast: float
 
 
 def find_board_stripes(picture: Picture, noise: PixelNoise, area: BoardArea) -> BoardStripes:
@@ -123,9 +127,12 @@ def _stripes_within(
 ) -> BoardStripes:
     region = area.region(picture.shape, margin_pitches)
     points = locate_stripe(picture, region=region, noise=noise)
-    usable = ~area.marked(points.centre_px, points.width_px, _OFF_MARKS)
+    usable = area.clearance_px(points.centre_px) >= _OFF_MARKS * points.width_px
     lines = find_lines(points, usable, _SHORTEST_PITCHES * area.pitch_px)
-    return BoardStripes(points, lines, off_board=margin_pitches > _NEAR_PITCHES)
+    every = np.s_[::4, ::4]  # a sample is enough
+    board = picture[every][area.region(picture.shape, 0.5)[every]]
+    contrast = np.ptp(np.percentile(board, _MARKS_AND_GROUND)) if board.size else 0.0
+    return BoardStripes(points, lines, margin_pitches > _NEAR_PITCHES, float(contrast))
 
 
 def stripes_of_board(found: BoardStripes, area: BoardArea) -> list[StripePoints]:
@@ -141,41 +148,70 @@ def stripes_of_board(found: BoardStripes, area: BoardArea) -> list[StripePoints]
     Returns
     -------
     stripes
-        Without lines of which too few points are left. Sigma is raised where the points
-        scatter by more than it says: by speckle or the surface's grain. A stripe that nowhere is
-        clear of the target's marks is `Cause.CROSSED`.
+        Without lines of which too few points are left. Sigma is raised by what the light of a
+        mark nearby may draw a point, and where the points scatter by more than it says: by speckle
+        or the surface's grain. A stripe that hardly is clear of the target's marks is
+        `Cause.CROSSED`.
     """
     stripes = (_stripe_on(line, found, area) for line in found.lines)
     return [stripe for stripe in stripes if stripe is not None]
 
 
 def _stripe_on(line: StripeLine, found: BoardStripes, area: BoardArea) -> StripePoints | None:
-    for margin in (_CLEAR_OF_MARKS, _OFF_MARKS):
-        points = found.points.select(line.member)
-        points = points.select(~area.marked(points.centre_px, points.width_px, margin))
-        points = points.select(_independent(points, line))
-        if len(points) >= _FEWEST_POINTS:
-            doubt = Cause.OFF_BOARD if found.off_board else None
-            doubt = Cause.CROSSED if margin == _OFF_MARKS else doubt
-            return _with_true_sigma(points, line, doubt)
-    return None
+    points = found.points.select(line.member)
+    clearance = area.clearance_px(points.centre_px) / points.width_px
+    points = points.select(clearance >= _OFF_MARKS)
+    clearance = clearance[clearance >= _OFF_MARKS]
+    pull = _pull_px(points, area, found.contrast)
+    chosen = _independent(points, line, pull)
+    points = replace(points, sigma_px=np.hypot(points.sigma_px, pull))
+    points, clearance = points.select(chosen), clearance[chosen]
+    if len(points) < _FEWEST_POINTS:
+        return None
+    crossed = np.count_nonzero(clearance >= _CLEAR_OF_MARKS) < _FEWEST_POINTS
+    doubt = Cause.CROSSED if crossed else Cause.OFF_BOARD if found.off_board else None
+    return _with_true_sigma(points, line, doubt)
 
 
-def _near_dots(dots: Ellipses, points_px: FloatArray, reach: FloatArray) -> BoolArray:
+def _pull_px(points: StripePoints, area: BoardArea, contrast: float) -> FloatArray:
+    r"""Return how far the light of the nearest mark may draw each point, shape (N,).
+
+    Notes
+    -----
+    A step of A counts, blurred as the stripe is, leaves at a distance of D, under the kernel
+    :math:`\sigma_g = \sigma_w`, the gradient :math:`A e^{-D^2/4w^2} / \sqrt{4\pi} w`. Over the
+    curvature of Eq. 8, :math:`M / 2^{3/2} w^2`, that is a shift by
+    :math:`0.80\, w\, (A/M)\, e^{-D^2/4w^2}`: 0.3 w two widths away, 0.015 w four. Only its part
+    across the stripe counts: a mark that the stripe runs into does not draw it aside.
+    """
+    width, normal = points.width_px, points.normal
+    clearance = area.clearance_px(points.centre_px)
+    after, before = (area.clearance_px(points.centre_px + side * normal) for side in (1.0, -1.0))
+    with np.errstate(invalid="ignore"):  # far from every mark a clearance may be infinite
+        aside = np.nan_to_num(np.minimum(0.5 * np.abs(after - before), 1.0))
+    share = contrast / np.maximum(points.peak, 1.0)
+    fading = np.exp(-np.square(0.5 * clearance / width))
+    return np.asarray(_PULL * width * share * aside * fading)
+
+
+def _beyond_dots_px(dots: Ellipses, points_px: FloatArray) -> FloatArray:
+    """Return how far points are outside the nearest dot's outline, shape (N,)."""
     offset = points_px[None] - dots.centre_px[:, None]
-    beyond = (dots.level(offset) - 1.0) * dots.radius_px[:, None]
-    return np.asarray((beyond < reach).any(axis=0))
+    return np.asarray(((dots.level(offset) - 1.0) * dots.radius_px[:, None]).min(axis=0))
 
 
-def _independent(points: StripePoints, line: StripeLine) -> IntArray:
-    """Return one point of every stretch as long as the kernel makes neighbours' errors alike."""
+def _independent(points: StripePoints, line: StripeLine, pull_px: FloatArray) -> IntArray:
+    """Return the least drawn point of every stretch in which the kernel makes errors alike."""
     along = (points.centre_px - line.origin_px) @ line.direction
     if len(points) == 0:
         return np.zeros(0, dtype=np.int64)
     stretch = _INDEPENDENT * float(np.median(kernel_of(points.width_px)))
     number = np.floor(along / stretch)
     off_middle = np.abs(along / stretch - number - 0.5)
-    order = np.lexsort((off_middle, number))
+    # Not the one of least sigma, which is the one that promises too much; of points drawn alike,
+    # to a tenth of the usual sigma, the one in the middle.
+    drawn = np.rint(10.0 * pull_px / float(np.median(points.sigma_px)))
+    order = np.lexsort((off_middle, drawn, number))
     first = np.concatenate([[True], np.diff(number[order]) > 0])
     return np.asarray(order[first], dtype=np.int64)
 
@@ -187,12 +223,5 @@ def _with_true_sigma(points: StripePoints, line: StripeLine, doubt: Cause | None
         scatter = float(np.median(np.abs(off - np.median(off)))) / 0.6745
         scale = scatter if scatter > _SCATTER_NOTED else 1.0
     points = points.select(np.abs(off) <= _FARTHEST_OFF * scale)
-    return StripePoints(
-        centre_px=points.centre_px,
-        normal=points.normal,
-        sigma_px=scale * points.sigma_px,
-        width_px=points.width_px,
-        peak=points.peak,
-        saturated=points.saturated,
-        cause=points.cause if doubt is None else (doubt,) * len(points),
-    )
+    cause = points.cause if doubt is None else (doubt,) * len(points)
+    return replace(points, sigma_px=scale * points.sigma_px, cause=cause)

@@ -9,9 +9,11 @@ from calib.seeing.noise import SATURATED_FROM
 from calib.seeing.resample import Float32Array, sampled
 
 _ITERATIONS = 3
+_DAMPING = 1e-3
 _MORE_IF_CLIPPED = 8
 _RESAMPLING_VARIANCE = 1.0 / 6.0  # px^2: what going between pixels adds to a profile's width
 _NARROWEST_PX, _WIDEST_PX = 0.4, 14.0
+_FARTHEST_OFF_PX = 7.0  # from the middle: seeds are nearer to their stripe
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,6 +42,11 @@ class Profiles:
     misfit: FloatArray
     saturated: BoolArray
 
+    @property
+    def reach_px(self) -> FloatArray:
+        """How far from the middle the fits look, shape (N,)."""
+        return np.asarray(_reach_px(self.width_px))
+
     def picked(self, index: IntArray) -> "Profiles":
         """Return the fits an index array picks."""
         return Profiles(*(getattr(self, name)[index] for name in self.__slots__))
@@ -48,11 +55,36 @@ class Profiles:
 def sample_across(
     picture: Picture, place_px: FloatArray, normal: FloatArray, reach: int
 ) -> Float32Array:
-    """Return brightness along normals, shape (N, 2 * reach + 1), one sample a pixel; N < 32767."""
+    """Return the mean brightness across a stripe, shape (G, 2 * reach + 1), one sample a pixel.
+
+    Parameters
+    ----------
+    picture
+        Shape (H, W).
+    place_px
+        Shape (G, S, 2), G groups of places side by side along the stripe; G < 32767.
+    normal
+        Shape (G, 2).
+    reach
+        Farthest sample, px.
+    """
     offset = np.arange(-reach, reach + 1)
-    u = place_px[:, :1] + offset * normal[:, :1]
-    v = place_px[:, 1:] + offset * normal[:, 1:]
-    return sampled(picture, u, v)
+    across_u, across_v = (offset * normal[:, axis, None] for axis in (0, 1))
+    total = np.zeros(across_u.shape, dtype=np.float32)
+    for member in np.moveaxis(place_px, 1, 0):
+        total += sampled(picture, member[:, :1] + across_u, member[:, 1:] + across_v)
+    return total / np.float32(place_px.shape[1])
+
+
+def stands_out(samples: Float32Array, height: float) -> BoolArray:
+    """Return which rows of samples, shape (N, K), are darker on both sides than in the middle.
+
+    The rim of a clipped reflection bends down as a stripe does, but on one side only.
+    """
+    reach = samples.shape[1] // 2
+    middle = samples[:, reach - 1 : reach + 2].mean(axis=1)
+    darkest = np.maximum(samples[:, :reach].min(axis=1), samples[:, reach + 1 :].min(axis=1))
+    return np.asarray(middle - darkest >= height)
 
 
 def fit_profiles(samples: Float32Array) -> Profiles:
@@ -77,21 +109,21 @@ def fit_profiles(samples: Float32Array) -> Profiles:
     c = np.arange(-reach, reach + 1, dtype=np.float32)
     parameters = _first_guess(samples)
     weight = _window(c, parameters[:, 2])
+    used = np.flatnonzero(weight.any(axis=0))
+    c, samples, weight = c[used], samples[:, used], weight[:, used]
     clipped = samples >= SATURATED_FROM
     any_clipped = clipped.any(axis=1)
+    jacobian = np.empty((len(samples), 6, c.size), dtype=np.float32)
     for _ in range(_ITERATIONS):
-        parameters = _stepped(parameters, samples, weight, clipped, c)
+        parameters = _stepped(parameters, samples, weight, clipped, c, jacobian)
+    # The height of a clipped stripe is known by its flanks alone: it takes more steps.
     if any_clipped.any():
-        # The height of a clipped stripe is known by its flanks alone: it takes more steps.
+        part = parameters[any_clipped]
+        of_part = samples[any_clipped], weight[any_clipped], clipped[any_clipped]
         for _ in range(_MORE_IF_CLIPPED):
-            parameters[any_clipped] = _stepped(
-                parameters[any_clipped],
-                samples[any_clipped],
-                weight[any_clipped],
-                clipped[any_clipped],
-                c,
-            )
-    model, _ = _model(parameters, c)
+            part = _stepped(part, *of_part, c, jacobian[: len(part)])
+        parameters[any_clipped] = part
+    model = _model(parameters, c, jacobian)
     left = (samples - np.where(clipped, np.minimum(model, samples), model)) * weight
     misfit = np.sqrt((left**2).sum(axis=1) / weight.sum(axis=1))
     height, centre, raw_width, ground, slope = parameters.T.astype(np.float64)
@@ -105,8 +137,12 @@ def fit_profiles(samples: Float32Array) -> Profiles:
 
 def _window(c: Float32Array, width_px: Float32Array) -> Float32Array:
     """Look no farther than the stripe's foot, so that neighbours do not pull."""
-    inside = np.abs(c) <= np.maximum(4.0 * width_px + 2.0, 6.0)[:, None]
+    inside = np.abs(c) <= np.asarray(_reach_px(width_px))[:, None]
     return np.asarray(inside, dtype=np.float32)
+
+
+def _reach_px(width_px: FloatArray | Float32Array) -> FloatArray | Float32Array:
+    return np.maximum(4.0 * width_px + 2.0, 6.0)
 
 
 def _first_guess(samples: Float32Array) -> Float32Array:
@@ -158,40 +194,41 @@ def _stepped(
     weight: Float32Array,
     clipped: BoolArray,
     c: Float32Array,
+    jacobian: Float32Array,
 ) -> Float32Array:
-    """Take one damped Gauss-Newton step."""
-    model, jacobian = _model(parameters, c)
+    """Take one damped Gauss-Newton step; `jacobian`, shape (N, 6, K), is overwritten."""
+    model = _model(parameters, c, jacobian)
     # A clipped sample says only "at least this": no pull once the model is above it.
     pull = weight * ~(clipped & (model >= samples))
+    jacobian[:, 5] = samples - model
     jacobian *= pull[:, None, :]
-    normal = (jacobian @ jacobian.transpose(0, 2, 1)).astype(np.float64)
-    gradient = jacobian @ ((samples - model) * pull)[:, :, None]
-    damping = 1e-3 * np.einsum("nii->ni", normal) + 1e-6
-    np.einsum("nii->ni", normal)[...] += damping
-    step = np.linalg.solve(normal, gradient.astype(np.float64))[:, :, 0]
-    return _bounded(parameters + step.astype(np.float32), parameters, samples.shape[1] // 2)
+    product = (jacobian @ jacobian.transpose(0, 2, 1)).astype(np.float64)
+    normal, gradient = product[:, :5, :5], product[:, :5, 5:]
+    np.einsum("nii->ni", normal)[...] *= 1.0 + _DAMPING
+    np.einsum("nii->ni", normal)[...] += 1e-6
+    step = np.linalg.solve(normal, gradient)[:, :, 0]
+    return _bounded(parameters + step.astype(np.float32), parameters)
 
 
-def _model(parameters: Float32Array, c: Float32Array) -> tuple[Float32Array, Float32Array]:
-    """Return the model, shape (N, K), and its derivatives, shape (N, 5, K)."""
+def _model(parameters: Float32Array, c: Float32Array, jacobian: Float32Array) -> Float32Array:
+    """Return the model, shape (N, K); put its derivatives into the first rows of `jacobian`."""
     height, centre, width, ground, slope = (p[:, None] for p in parameters.T)
     x = (c - centre) / width
     bell = np.exp(-0.5 * x * x)
     by_centre = height * bell * x / width
-    jacobian = np.empty((len(parameters), 5, c.size), dtype=np.float32)
     jacobian[:, 0] = bell
     jacobian[:, 1] = by_centre
     jacobian[:, 2] = by_centre * x
     jacobian[:, 3] = 1.0
     jacobian[:, 4] = c
-    return height * bell + ground + slope * c, jacobian
+    return np.asarray(height * bell + ground + slope * c)
 
 
-def _bounded(now: Float32Array, before: Float32Array, reach: int) -> Float32Array:
+def _bounded(now: Float32Array, before: Float32Array) -> Float32Array:
     """Keep a step inside what a stripe can be."""
     now[:, 0] = np.clip(now[:, 0], 0.0, np.maximum(2.0 * before[:, 0], 50.0))
     now[:, 0] = np.minimum(now[:, 0], 5000.0)
-    now[:, 1] = np.clip(now[:, 1], -0.4 * reach, 0.4 * reach)
+    now[:, 1] = np.clip(now[:, 1], -_FARTHEST_OFF_PX, _FARTHEST_OFF_PX)
     now[:, 2] = np.clip(now[:, 2], 0.6 * before[:, 2], 1.6 * before[:, 2])
     now[:, 2] = np.clip(now[:, 2], _NARROWEST_PX, _WIDEST_PX)
     return now

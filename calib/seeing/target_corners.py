@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.arrays import Picture
+from calib.arrays import FloatArray, Picture
 from calib.seeing.agreement import agreeing
 from calib.seeing.corners_centre import measure_corners
 from calib.seeing.corners_find import find_corners
@@ -12,6 +12,7 @@ from calib.seeing.lattice import Lattice, find_lattice
 from calib.seeing.noise import PixelNoise
 from calib.seeing.numbering import inside_target, number
 from calib.seeing.seen import SeenTarget
+from calib.seeing.squares import without_black
 from calib.seeing.stripe_lines import StripeLine
 from calib.seeing.stripe_on_board import BoardArea
 from calib.target import Target
@@ -19,9 +20,18 @@ from calib.target import Target
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CornerPattern:
-    """Corners on a common lattice, not yet numbered."""
+    """Corners on a common lattice, not yet numbered.
+
+    Attributes
+    ----------
+    lattice
+        The lattice.
+    place_px
+        Shape (N, 2), where its points are, to about a pixel.
+    """
 
     lattice: Lattice
+    place_px: FloatArray
 
     def __len__(self) -> int:
         return len(self.lattice)
@@ -30,8 +40,12 @@ class CornerPattern:
     def find(cls, picture: Picture, noise: PixelNoise, target: Target) -> "CornerPattern | None":
         """Find the inner corners of a chessboard; None where none make a lattice."""
         corners = find_corners(picture, noise)
-        lattice = find_lattice(corners, np.ones(len(corners)), target.rows * target.cols)
-        return None if lattice is None else cls(lattice)
+        lattice = find_lattice(corners, np.ones(len(corners)), target.rows, target.cols)
+        return None if lattice is None else cls(lattice, corners[lattice.index])
+
+    def without_marks(self, picture: Picture) -> Picture:
+        """Return the picture with the black squares as bright as the white ones."""
+        return without_black(picture, self.lattice, self.place_px)
 
     def area(self, target: Target) -> BoardArea:
         """Return where the target may be in the picture."""

@@ -49,8 +49,12 @@ class DotPattern:
     def find(cls, picture: Picture, noise: PixelNoise, target: Target) -> "DotPattern | None":
         """Find the dots of a target; None where none make a lattice."""
         dots = find_dots(picture, noise, dark=target.dark)
-        lattice = find_lattice(dots.centre_px, dots.radius_px, target.rows * target.cols)
+        lattice = find_lattice(dots.centre_px, dots.radius_px, target.rows, target.cols)
         return None if lattice is None else cls(lattice, dots.picked(lattice.index))
+
+    def without_marks(self, picture: Picture) -> Picture:
+        """Return the picture as it is: dots leave enough of the stripe clear."""
+        return picture
 
     def area(self, target: Target) -> BoardArea:
         """Return where the target may be in the picture."""

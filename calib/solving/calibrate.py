@@ -7,9 +7,11 @@ import numpy as np
 from calib.calibration import Calibration, CameraCalibration, CameraRole, Method
 from calib.camera import CameraModel
 from calib.errors import CameraMismatch, TooFewViews
+from calib.rigid import RigidTransform
 from calib.sensor import LaserSensor
 from calib.solving.assembly import misfits, solved_views
 from calib.solving.camera_from_views import solve_camera
+from calib.solving.credible_sigmas import solved_credibly
 from calib.solving.deviation.method import solve_deviation
 from calib.solving.joint.method import solve_jointly
 from calib.solving.prepared import Answer, Prepared
@@ -64,6 +66,14 @@ def calibrate_camera(
     Zhang's closed form starts a robust maximum-likelihood solve of all poses and the camera, each
     point weighted by its sigma; see ``decisions``.
     """
+    return solved_credibly(
+        lambda seen: (_camera_of(seen, target, width=width, height=height), seen), views
+    )
+
+
+def _camera_of(
+    views: Sequence[View], target: Target, *, width: int, height: int
+) -> CameraCalibration:
     usable, reasons = usable_views(views, target)
     while True:
         _require_views(usable, reasons, _LEAST_CAMERA_VIEWS, "the camera")
@@ -129,10 +139,25 @@ def calibrate(
             f"the camera is of {camera.width} x {camera.height} px, the pictures are of {width} x "
             f"{height}; calibrate the camera at the pictures' size"
         )
-    usable, reasons = usable_views(views, target)
+
+    def solve(seen: Sequence[View]) -> tuple[Calibration, Sequence[View]]:
+        answer = _sensor_of(seen, target, camera, (width, height), method)
+        return answer, answer.seen
+
+    return solved_credibly(solve, views)
+
+
+def _sensor_of(
+    views: Sequence[View],
+    target: Target,
+    camera: CameraModel | None,
+    size: tuple[int, int],
+    method: Method,
+) -> Calibration:
+    usable, reasons = usable_views(views, target, camera)
     while True:
-        start, role, camera_warnings = _camera_to_start(
-            views, usable, reasons, target, camera, (width, height)
+        start, role, near, camera_warnings = _camera_to_start(
+            views, usable, reasons, target, camera, size
         )
         views = settle_stripes(views, usable, target, start)
         _require_views(
@@ -142,7 +167,7 @@ def calibrate(
             "the light plane (target and stripe seen)",
         )
         chosen = [views[index] for index in usable]
-        answer = _METHODS[method](Prepared.of(chosen, target, start, role))
+        answer = _METHODS[method](Prepared.of(chosen, target, start, role, near))
         failed = misfits(chosen, answer.dots, _LEAST_BELIEVED)
         if not failed:
             break
@@ -179,15 +204,15 @@ def _camera_to_start(
     target: Target,
     camera: CameraModel | None,
     size: tuple[int, int],
-) -> tuple[CameraModel, CameraRole, tuple[str, ...]]:
-    """Return the camera a solve begins with, what may be done with it, and warnings about it."""
+) -> tuple[CameraModel, CameraRole, tuple[RigidTransform, ...], tuple[str, ...]]:
+    """Return the camera to begin with, its role, the poses if it was solved, and warnings."""
     if camera is not None:
         known = not np.diag(camera.covariance).any()
-        return camera, CameraRole.HELD if known else CameraRole.PRIOR, ()
+        return camera, CameraRole.HELD if known else CameraRole.PRIOR, (), ()
     _require_views(usable, reasons, _LEAST_CAMERA_VIEWS, "camera and light plane")
     chosen = [views[index] for index in usable]
     answer = solve_camera(chosen, target, width=size[0], height=size[1])
-    return answer.camera, CameraRole.ESTIMATED, answer.warnings
+    return answer.camera, CameraRole.ESTIMATED, answer.poses, answer.warnings
 
 
 def _require_views(

@@ -70,7 +70,7 @@ class Observations:
     dots, stripe
         The points.
     radius_mm
-        Radius of a dot; 0 where it is unknown or the points are corners.
+        Radius of a dot, given or seen; 0 where it is unknown or the points are corners.
     """
 
     count: int
@@ -95,8 +95,7 @@ class Observations:
             sigma_px=np.concatenate([np.empty(0), *(part.sigma_px for part in stripes)]),
             along_px=np.concatenate([np.empty(0), *(_along(part) for part in stripes)]),
         )
-        radius = target.diameter_mm / 2.0 if target.diameter_mm and target.kind == "dots" else 0.0
-        return cls(len(views), dots, stripe, radius)
+        return cls(len(views), dots, stripe, _radius_mm(views, target))
 
 
 _EMPTY = StripePoints(
@@ -108,6 +107,16 @@ _EMPTY = StripePoints(
     saturated=np.empty(0, dtype=bool),
     cause=(),
 )
+
+
+def _radius_mm(views: Sequence[View], target: Target) -> float:
+    """Return the radius of the dots: as given, else as most pictures show it, else 0."""
+    if target.kind != "dots":
+        return 0.0
+    if target.diameter_mm is not None:
+        return target.diameter_mm / 2.0
+    seen = [view.dot_radius for view in views if view.dot_radius is not None]
+    return float(np.median(seen)) * target.pitch_mm if seen else 0.0
 
 
 def _index(lengths: Sequence[int]) -> IntArray:

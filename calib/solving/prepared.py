@@ -52,7 +52,12 @@ class Prepared:
 
     @classmethod
     def of(
-        cls, views: Sequence[View], target: Target, camera: CameraModel, role: CameraRole
+        cls,
+        views: Sequence[View],
+        target: Target,
+        camera: CameraModel,
+        role: CameraRole,
+        near: Sequence[RigidTransform] = (),
     ) -> "Prepared":
         """Find poses and a first plane.
 
@@ -62,6 +67,8 @@ class Prepared:
             Usable ones; at least two with a stripe, whose points suffice.
         target, camera, role
             See the class.
+        near
+            Poses of the views, where a solve of the camera left them.
 
         Raises
         ------
@@ -69,7 +76,7 @@ class Prepared:
             If the stripes do not single out a plane.
         """
         observations = Observations.of(views, target)
-        dots_only = _solve_dots(views, target, camera)
+        dots_only = solve_dots(views, target, camera, near)
         poses = tuple(dots_only.estimate.poses)
         lines = {
             index: stripe_line(view.stripe, camera, poses[index])
@@ -84,8 +91,9 @@ class Prepared:
         stripe_in = np.zeros(len(views), dtype=bool)
         stripe_in[own] = first.agreeing
         on_line = np.zeros(len(observations.stripe), dtype=bool)
-        for index, line in lines.items():
-            on_line[observations.stripe.view == index] = line.agreeing
+        firsts = np.searchsorted(observations.stripe.view, own)
+        for begin, line in zip(firsts, lines.values(), strict=True):
+            on_line[begin : begin + len(line.agreeing)] = line.agreeing
         return cls(
             views=tuple(views),
             target=target,
@@ -99,8 +107,16 @@ class Prepared:
         )
 
 
-def _solve_dots(views: Sequence[View], target: Target, camera: CameraModel) -> Solution:
-    """Find the most likely poses by the dots alone, the camera held."""
+def solve_dots(
+    views: Sequence[View],
+    target: Target,
+    camera: CameraModel,
+    near: Sequence[RigidTransform] = (),
+) -> Solution:
+    """Find the most likely poses by the target's points alone, the camera held.
+
+    The poses `near`, where given, are taken to be the answer already but for little.
+    """
     bare = [replace(view, stripe=None) for view in views]
     problem = Problem(
         Observations.of(bare, target),
@@ -109,8 +125,8 @@ def _solve_dots(views: Sequence[View], target: Target, camera: CameraModel) -> S
         stripe_in=np.zeros(len(bare), dtype=bool),
         on_line=np.zeros(0, dtype=bool),
     )
-    first = [start_pose(view, target, camera) for view in bare]
-    return solve(problem, Estimate.start(camera, None, first), near=False)
+    first = list(near) or [start_pose(view, target, camera) for view in bare]
+    return solve(problem, Estimate.start(camera, None, first), near=bool(near))
 
 
 def _middle_covariance(

@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from calib.arrays import BoolArray, FloatArray
+from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.camera import CameraModel
 from calib.errors import Degenerate
 from calib.homography import apply_homography, fit_homography_robustly, pose_from_homography
@@ -34,9 +34,17 @@ _LEAST_SPREAD = 0.01
 _LEAST_SPREAD_OVER_NOISE = 3.0
 
 
-def usable_views(views: Sequence[View], target: Target) -> tuple[list[int], dict[int, str]]:
-    """Sort views by index into usable ones and reasons against the others."""
-    reasons = {index: why_unusable(view, target) for index, view in enumerate(views)}
+def usable_views(
+    views: Sequence[View], target: Target, camera: CameraModel | None = None
+) -> tuple[list[int], dict[int, str]]:
+    """Sort views by index into usable ones and reasons against the others.
+
+    With a camera, a view is usable only where the camera has a ray for each of its points.
+    """
+    reasons = {
+        index: why_unusable(view, target) or (_why_unseen(view, camera) if camera else "")
+        for index, view in enumerate(views)
+    }
     usable = [index for index, reason in reasons.items() if not reason]
     return usable, {index: reason for index, reason in reasons.items() if reason}
 
@@ -72,6 +80,19 @@ def why_unusable(view: View, target: Target) -> str:
             "is it this target?"
         )
     return ""
+
+
+def _why_unseen(view: View, camera: CameraModel) -> str:
+    stripe_px = np.empty((0, 2)) if view.stripe is None else view.stripe.centre_px
+    seen_px = np.vstack([view.points.centre_px, stripe_px])
+    folded = ~np.isfinite(camera.rays(seen_px)).all(axis=1)
+    if not folded.any():
+        return ""
+    u, v = seen_px[folded][0]
+    return (
+        f"the camera's lens model folds the picture over at {u:.0f}, {v:.0f} px; is it the camera "
+        "of these pictures?"
+    )
 
 
 def has_stripe(view: View) -> bool:
@@ -176,9 +197,7 @@ def start_plane(stripes_mm: FloatArray, covariance_mm2: FloatArray) -> StartPlan
     (least absolute deviations over the views), then fitted again to the stripes within four
     robust standard deviations.
     """
-    pairs = np.array(list(combinations(range(len(stripes_mm)), 2)))
-    if len(pairs) > _MOST_CANDIDATES:
-        pairs = np.random.default_rng(0).choice(pairs, _MOST_CANDIDATES, replace=False)
+    pairs = _pairs(len(stripes_mm))
     planes = [fit_plane(stripes_mm[pair].reshape(-1, 3)) for pair in pairs]
     misses = np.array([_misses(stripes_mm, plane) for plane in planes])
     best = misses[np.argmin(misses.sum(axis=1))]
@@ -186,6 +205,14 @@ def start_plane(stripes_mm: FloatArray, covariance_mm2: FloatArray) -> StartPlan
     _refuse_one_line(stripes_mm[agreeing], covariance_mm2[agreeing])
     plane = LightPlane.from_coefficients(fit_plane(stripes_mm[agreeing].reshape(-1, 3)))
     return StartPlane(plane, agreeing)
+
+
+def _pairs(count: int) -> IntArray:
+    """Return all pairs of so many, or as many as suffice, always the same; shape (N, 2)."""
+    if count * (count - 1) // 2 <= _MOST_CANDIDATES:
+        return np.array(list(combinations(range(count), 2)))
+    draws = np.random.default_rng(0).integers(0, (count, count - 1), (_MOST_CANDIDATES, 2))
+    return np.column_stack([draws[:, 0], (draws[:, 0] + 1 + draws[:, 1]) % count])
 
 
 def _misses(stripes_mm: FloatArray, plane: FloatArray) -> FloatArray:

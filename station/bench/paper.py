@@ -7,11 +7,13 @@ import numpy as np
 
 from calib import (
     CalibError,
+    CylinderReading,
     LaserSensor,
     Method,
     View,
     calibrate,
     judge_cylinder,
+    judge_cylinders,
     judge_distances,
 )
 from station.bench.paper_pictures import (
@@ -99,8 +101,8 @@ def _notes(poses: int, seed: int) -> tuple[str, ...]:
         "radius. Left out: placements whose stripe is none of the sheet's, as a second one in "
         "stray light.",
         "Axis known: the direction of the cylinder's axis is held at the truth, as a fixture "
-        "gives it. Axis free: found with the radius, of which an arc of 150 degrees tells it "
-        "hardly apart: the true sensor does no better.",
+        f"gives it. Axis free: found with the radius that all {_CYLINDERS} placements share; a "
+        "picture alone, an arc of 150 degrees, tells tilt and radius hardly apart.",
     )
 
 
@@ -127,7 +129,8 @@ def _row(
     row["distances, paper"] = paper[0]
     for quality, gauge in gauges.items():
         row[f"radius, {quality}, axis known"] = _radius_rms(gauge, sensor, axis_known=True)
-    row["radius, good, axis free"] = _radius_rms(gauges["good"], sensor, axis_known=False)
+    for quality, gauge in gauges.items():
+        row[f"radius, {quality}, axis free"] = _radius_rms(gauge, sensor, axis_known=False)
     row["radius, paper"] = paper[1]
     return row
 
@@ -150,16 +153,16 @@ def _left_out(gauges: _Gauges, sensor: LaserSensor | None) -> Value:
 def _radius_rms(gauges: _Gauges, sensor: LaserSensor | None, *, axis_known: bool) -> Value:
     if sensor is None:
         return "refused"
-    readings = [
-        judge_cylinder(
-            seen.stripe,
-            sensor,
-            RADIUS_MM,
-            name=seen.name,
-            axis_in_cam=seen.axis_in_cam if axis_known else None,
-        )
-        for seen in gauges.cylinders
-    ]
+    if axis_known:
+        readings: Sequence[CylinderReading] = [
+            judge_cylinder(
+                seen.stripe, sensor, RADIUS_MM, name=seen.name, axis_in_cam=seen.axis_in_cam
+            )
+            for seen in gauges.cylinders
+        ]
+    else:
+        stripes = [(seen.name, seen.stripe) for seen in gauges.cylinders]
+        readings = judge_cylinders(stripes, sensor, RADIUS_MM).readings
     unread = [reading for reading in readings if reading.reason]
     if unread:
         return f"{len(unread)} of {len(readings)} unread"

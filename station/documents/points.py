@@ -2,9 +2,7 @@
 
 import csv
 import io
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -18,13 +16,10 @@ from calib import (
     TargetPoints,
     View,
 )
+from station.documents.points_rows import NEEDED, PointRow, point_rows
 from station.errors import InputUnusable
 
-POINT_COLUMNS = (
-    "image", "kind", "row", "col", "u", "v", "sigma_u", "sigma_v",
-    "u_corrected", "v_corrected", "used", "reason",
-)  # fmt: skip
-_NEEDED = POINT_COLUMNS[:8]
+POINT_COLUMNS = (*NEEDED, "u_corrected", "v_corrected", "used", "reason")
 
 
 def points_csv(calibration: Calibration) -> str:
@@ -68,21 +63,6 @@ def _numbers(*pairs: np.ndarray) -> list[str]:
     return [f"{value:.6f}" for pair in pairs for value in pair]
 
 
-@dataclass(frozen=True, slots=True)
-class _Row:
-    """One checked row of the file."""
-
-    line: int
-    image: str
-    kind: str
-    row: int
-    col: int
-    u: float
-    v: float
-    sigma_u: float
-    sigma_v: float
-
-
 def views_from_points(text: str, target: Target, *, name: str) -> list[View]:
     """Read points.csv, or a file of another detector with its first eight columns, as views.
 
@@ -98,57 +78,23 @@ def views_from_points(text: str, target: Target, *, name: str) -> list[View]:
     Raises
     ------
     InputUnusable
-        If a column is missing, a number does not parse or is not finite, a sigma is not positive,
-        a dot is off the target or named twice, or a stripe has fewer than 3 points in a picture.
+        If a row cannot be used (see `point_rows`), a dot is named twice, a stripe point stands
+        twice, or a stripe has fewer than 3 points in a picture.
     """
-    reader = csv.DictReader(io.StringIO(text))
-    missing = [column for column in _NEEDED if column not in (reader.fieldnames or ())]
-    if missing:
-        raise InputUnusable(
-            f"{name}: no column {', '.join(missing)}; allowed: a header with {','.join(_NEEDED)}"
-        )
-    by_image: dict[str, list[_Row]] = {}
-    for line, fields in enumerate(reader, start=2):
-        row = _checked_row(fields, line, target, name)
+    by_image: dict[str, list[PointRow]] = {}
+    for row in point_rows(text, target, name=name):
         by_image.setdefault(row.image, []).append(row)
     if not by_image:
         raise InputUnusable(f"{name}: no points in it; give a row a point")
     return [_view(image, rows, name) for image, rows in by_image.items()]
 
 
-def _checked_row(fields: dict[str, str], line: int, target: Target, name: str) -> _Row:
-    def refuse(what: str) -> InputUnusable:
-        return InputUnusable(f"{name} line {line}: {what}; correct the row or leave it out")
-
-    kind = fields["kind"]
-    if kind not in ("dot", "stripe"):
-        raise refuse(f"kind {kind!r}; allowed: dot, stripe")
-    try:
-        u, v, sigma_u, sigma_v = (float(fields[c]) for c in ("u", "v", "sigma_u", "sigma_v"))
-        row, col = (int(fields[c]) if kind == "dot" else -1 for c in ("row", "col"))
-    except (ValueError, TypeError):
-        raise refuse("a field that is not a number") from None
-    if not all(map(math.isfinite, (u, v, sigma_u, sigma_v))):
-        raise refuse("a coordinate or sigma that is not finite")
-    if not (min(sigma_u, sigma_v) >= 0.0 and max(sigma_u, sigma_v) > 0.0):
-        raise refuse(f"sigma {sigma_u}, {sigma_v}; allowed: positive")
-    if kind == "dot" and not (0 <= row < target.rows and 0 <= col < target.cols):
-        raise refuse(f"dot at row {row}, col {col}; allowed on {target}: rows 0 to "
-                     f"{target.rows - 1}, cols 0 to {target.cols - 1}")  # fmt: skip
-    return _Row(line, fields["image"], kind, row, col, u, v, sigma_u, sigma_v)
-
-
-def _view(image: str, rows: Sequence[_Row], name: str) -> View:
+def _view(image: str, rows: Sequence[PointRow], name: str) -> View:
     dots = [row for row in rows if row.kind == "dot"]
     stripe = [row for row in rows if row.kind == "stripe"]
-    seen: dict[tuple[int, int], int] = {}
-    for row in dots:
-        first = seen.setdefault((row.row, row.col), row.line)
-        if first != row.line:
-            raise InputUnusable(
-                f"{name} line {row.line}: dot {row.row}, {row.col} of {image} stands in line "
-                f"{first} already; leave one out"
-            )
+    _refuse_repeats(((f"dot {r.row}, {r.col}", r) for r in dots), image, name)
+    # Counted twice, a point would promise more than it knows.
+    _refuse_repeats(((f"the stripe point {r.u}, {r.v}", r) for r in stripe), image, name)
     points = TargetPoints(
         row=np.array([r.row for r in dots], dtype=np.int64),
         col=np.array([r.col for r in dots], dtype=np.int64),
@@ -159,13 +105,24 @@ def _view(image: str, rows: Sequence[_Row], name: str) -> View:
     return View(image, points, _stripe(stripe, image, name) if stripe else None)
 
 
-def _stripe(rows: Sequence[_Row], image: str, name: str) -> StripePoints:
+def _refuse_repeats(places: Iterable[tuple[str, PointRow]], image: str, name: str) -> None:
+    seen: dict[str, int] = {}
+    for place, row in places:
+        first = seen.setdefault(place, row.line)
+        if first != row.line:
+            raise InputUnusable(
+                f"{name} line {row.line}: {place} of {image} stands in line {first} already; "
+                "leave one out"
+            )
+
+
+def _stripe(rows: Sequence[PointRow], image: str, name: str) -> StripePoints:
     if len(rows) < 3:
         raise InputUnusable(
             f"{name}: {len(rows)} stripe points in {image}; allowed: none, or 3 and more"
         )
     centre_px = np.array([(r.u, r.v) for r in rows])
-    along = np.linalg.svd(centre_px - centre_px.mean(axis=0))[2][0]
+    along = np.linalg.svd(centre_px - centre_px.mean(axis=0), full_matrices=False)[2][0]
     normal = np.array([-along[1], along[0]])
     parts_px = np.array([(r.sigma_u, r.sigma_v) for r in rows])
     count = len(rows)

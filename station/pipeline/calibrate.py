@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from calib import Calibration, CameraModel, Method, Target, calibrate
+import numpy as np
+
+from calib import Calibration, CameraModel, Method, Target, TooFewViews, View, calibrate
 from station.documents import (
     CalibrationDocument,
     CameraDocument,
@@ -26,6 +28,11 @@ from station.settings import MountingSettings
 from station.software import SOFTWARE
 
 UNNAMED_SENSOR = "sensor"
+
+_DISTANCES_MM = (20.0, 20_000.0)
+"""Of targets from their camera; beyond these somebody has mistaken a unit."""
+_MARGIN = 0.05
+"""Of the picture's size: a dot cut by the border may have its centre a little outside."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +78,12 @@ def calibrate_sources(
     )
     width, height = picture_size(seen, camera, size_px)
     progress(0.9, f"solving {method}")
-    answer = calibrate(seen.views, target, width=width, height=height, camera=camera, method=method)
+    try:
+        answer = calibrate(
+            seen.views, target, width=width, height=height, camera=camera, method=method
+        )
+    except TooFewViews as error:
+        raise TooFewViews(f"{error}{seen.why_left_out}") from error
     left_out = (*seen.left_out, *((v.name, v.left_out) for v in answer.views if v.left_out))
     progress(1.0, "done")
     document = CalibrationDocument(
@@ -88,7 +100,7 @@ def calibrate_sources(
         quality=gates(answer),
         options={"target": str(target), "method": method.value, "camera_given": camera is not None},
         inputs=fingerprints([*sources, *laser_off]),
-        warnings=answer.warnings,
+        warnings=(*answer.warnings, *_unit_warnings(answer, target)),
         left_out=dict(left_out),
         mounting=MountingDocument.from_settings(mounting) if mounting else None,
     )
@@ -103,8 +115,18 @@ def picture_size(
     Raises
     ------
     InputUnusable
-        If they are not of the camera's size, or neither pictures nor camera tell one.
+        If they are not of the camera's size, neither pictures nor camera tell one, or a point lies
+        outside them.
     """
+    size = _size(seen, camera, size_px)
+    for view in seen.views:
+        _refuse_outside(view, size)
+    return size
+
+
+def _size(
+    seen: Observations, camera: CameraModel | None, size_px: tuple[int, int] | None
+) -> tuple[int, int]:
     if camera is None:
         if seen.width is not None and seen.height is not None:
             return seen.width, seen.height
@@ -120,6 +142,30 @@ def picture_size(
             f"{camera.height}; give the camera file of these pictures, or none to solve it"
         )
     return camera.width, camera.height
+
+
+def _refuse_outside(view: View, size_px: tuple[int, int]) -> None:
+    stripe_px = view.stripe.centre_px if view.stripe is not None else np.empty((0, 2))
+    seen_px = np.vstack([view.points.centre_px, stripe_px])
+    margin = _MARGIN * np.array(size_px)
+    outside = ((seen_px < -margin) | (seen_px > size_px + margin)).any(axis=1)
+    if outside.any():
+        (u, v), (width, height) = seen_px[outside][0], size_px
+        raise InputUnusable(
+            f"{view.name}: a point at {u:.0f}, {v:.0f} px but pictures of {width} x {height}; "
+            "allowed: points inside; give the camera file or --size of these pictures"
+        )
+
+
+def _unit_warnings(answer: Calibration, target: Target) -> tuple[str, ...]:
+    poses = [view.cam_from_board for view in answer.views if view.cam_from_board is not None]
+    distance_mm = float(np.median([pose.translation_mm[2] for pose in poses]))
+    if _DISTANCES_MM[0] <= distance_mm <= _DISTANCES_MM[1]:
+        return ()
+    return (
+        f"by its pitch of {target.pitch_mm:g} mm the target stood {distance_mm:.3g} mm from the "
+        "camera; is the pitch in mm? Everything scales with it",
+    )
 
 
 def _plane(answer: Calibration) -> PlaneDocument:

@@ -1,5 +1,6 @@
 """Frames of any SOURCE: a recording, a picture, a folder of pictures."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 from calib import Picture
 from station.errors import InputUnusable
 from station.pictures import RECORDING_SUFFIX, pictures_of, read_picture
+from station.pipeline.naming import distinct_names
 from station.recording import frames as recorded_frames
 from station.recording import info as recording_info
 
@@ -15,8 +17,10 @@ from station.recording import info as recording_info
 class Frame:
     """One picture and where it came from.
 
-    `number` is its id in a recording, or its place among pictures; `time_ns` is the camera's UTC
-    time where known; `sensor` is the recording's sensor where known.
+    No two frames of the sources read together have the same `name`: where files share theirs, it
+    has as much of their folders as tells them apart. `number` is its id in a recording, or its
+    place among pictures; `time_ns` is the camera's UTC time where known; `sensor` is the
+    recording's sensor where known.
     """
 
     name: str
@@ -37,19 +41,33 @@ def read_frames(sources: Sequence[Path]) -> Iterator[Frame]:
     RecordingUnreadable
         If a recording is damaged.
     """
-    for source in sources:
-        if source.suffix.lower() == RECORDING_SUFFIX:
-            yield from _frames_of_recording(source)
+    files = [_files_of(source) for source in sources]
+    names = iter(distinct_names([path for group in files for path in group]))
+    for source, group in zip(sources, files, strict=True):
+        if _is_recording(source):
+            yield from _frames_of_recording(source, next(names))
         else:
-            yield from _frames_of_pictures(source)
+            yield from _frames_of_pictures(group, names)
 
 
-def _frames_of_recording(path: Path) -> Iterator[Frame]:
+def _files_of(source: Path) -> list[Path]:
+    return [source] if _is_recording(source) else pictures_of(source)
+
+
+def _is_recording(source: Path) -> bool:
+    return source.suffix.lower() == RECORDING_SUFFIX
+
+
+def _frames_of_recording(path: Path, name: str) -> Iterator[Frame]:
     if not path.exists():
         raise InputUnusable(f"{path}: no such file; give a recording that exists")
+    times: Counter[int] = Counter()
     for recorded in recorded_frames(path):
+        times[recorded.frame_id] += 1
+        # A camera that was started again, and a second one, number from 1 again.
+        again = f".{times[recorded.frame_id]}" if times[recorded.frame_id] > 1 else ""
         yield Frame(
-            name=f"{path.name}#{recorded.frame_id}",
+            name=f"{name}#{recorded.frame_id}{again}",
             source=path.name,
             number=recorded.frame_id,
             picture=recorded.picture,
@@ -58,9 +76,9 @@ def _frames_of_recording(path: Path) -> Iterator[Frame]:
         )
 
 
-def _frames_of_pictures(source: Path) -> Iterator[Frame]:
-    for place, path in enumerate(pictures_of(source)):
-        yield Frame(name=path.name, source=path.name, number=place, picture=read_picture(path))
+def _frames_of_pictures(paths: Sequence[Path], names: Iterator[str]) -> Iterator[Frame]:
+    for place, path in enumerate(paths):
+        yield Frame(name=next(names), source=path.name, number=place, picture=read_picture(path))
 
 
 def count_frames(sources: Sequence[Path]) -> int:
@@ -75,8 +93,7 @@ def count_frames(sources: Sequence[Path]) -> int:
     """
     count = 0
     for source in sources:
-        recorded = source.suffix.lower() == RECORDING_SUFFIX
-        count += _frames_recorded(source) if recorded else len(pictures_of(source))
+        count += _frames_recorded(source) if _is_recording(source) else len(pictures_of(source))
     return max(count, 1)
 
 
@@ -84,14 +101,19 @@ def _frames_recorded(path: Path) -> int:
     return sum(sensor.frames for sensor in recording_info(path).sensors)
 
 
-def same_size_as(frame: Frame, first: Frame) -> Frame:
-    """Return `frame` after checking that it has the size of `first`.
+def alike(frame: Frame, first: Frame) -> Frame:
+    """Return `frame` after checking that it has the size of `first` and is of the same sensor.
 
     Raises
     ------
     InputUnusable
-        If the sizes differ.
+        If it has not or is not.
     """
+    if None not in (frame.sensor, first.sensor) and frame.sensor != first.sensor:
+        raise InputUnusable(
+            f"{frame.name} is of sensor {frame.sensor} but {first.name} is of {first.sensor}; "
+            "allowed: recordings of one sensor"
+        )
     if frame.picture.shape != first.picture.shape:
         (height, width), (first_height, first_width) = frame.picture.shape, first.picture.shape
         raise InputUnusable(

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from calib import CameraModel, Target, calibrate_camera
+from calib import CameraModel, Target, TooFewViews, calibrate_camera
 from station.errors import InputUnusable
 from station.pipeline.observe import observe_sources
 from station.progress import Progress, silent
@@ -26,4 +26,7 @@ def calibrate_camera_from_sources(
     seen = observe_sources(sources, target, progress=progress)
     if seen.width is None or seen.height is None:
         raise InputUnusable("points alone do not tell the size of the pictures; give pictures")
-    return calibrate_camera(seen.views, target, width=seen.width, height=seen.height).camera
+    try:
+        return calibrate_camera(seen.views, target, width=seen.width, height=seen.height).camera
+    except TooFewViews as error:
+        raise TooFewViews(f"{error}{seen.why_left_out}") from error

@@ -8,7 +8,7 @@ import numpy as np
 
 from calib import (
     CameraModel,
-    CylinderReading,
+    CylinderJudgement,
     FloatArray,
     LaserSensor,
     LeftOutPose,
@@ -18,7 +18,7 @@ from calib import (
     Repeatability,
     StripePoints,
     Target,
-    judge_cylinder,
+    judge_cylinders,
     judge_distances,
     judge_leaving_out,
     judge_repeatability,
@@ -61,9 +61,12 @@ def cylinders_of_sources(
     radius_mm: float,
     *,
     axis_in_cam: FloatArray | None = None,
+    one_axis: bool = False,
     progress: Progress = silent,
-) -> tuple[CylinderReading, ...]:
-    """Measure the radius of a cylinder in every picture of the sources.
+) -> CylinderJudgement:
+    """Measure the radius of one cylinder in all pictures of the sources.
+
+    The axis is as for `calib.judge_cylinders`.
 
     Raises
     ------
@@ -83,16 +86,14 @@ def cylinders_of_sources(
             names.append(frame.name)
             yield frame.picture
 
-    readings = []
+    seen: list[tuple[str, StripePoints]] = []
     stripes: Iterator[StripePoints] = map_on_all_cores(
         locate_stripe, pictures(), count=total, seconds_each=_LOCATE_S
     )
     for done, stripe in enumerate(stripes):
         progress((done + 1) / total, f"picture {done + 1} of {total}")
-        readings.append(
-            judge_cylinder(stripe, sensor, radius_mm, name=names[done], axis_in_cam=axis_in_cam)
-        )
-    return tuple(readings)
+        seen.append((names[done], stripe))
+    return judge_cylinders(seen, sensor, radius_mm, axis_in_cam=axis_in_cam, one_axis=one_axis)
 
 
 def _check_size(name: str, size: tuple[int, int], camera: CameraModel) -> None:

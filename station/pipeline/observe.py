@@ -1,14 +1,16 @@
 """Seeing the target in every picture of the sources, on all cores."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from calib import CalibError, Picture, Target, View, observe_target
 from station.documents import views_from_points
 from station.errors import InputUnusable
 from station.pipeline.cores import map_on_all_cores
-from station.pipeline.frames import Frame, count_frames, read_frames, same_size_as
+from station.pipeline.distinct_views import named_apart, without_copies
+from station.pipeline.frames import Frame, alike, count_frames, read_frames
+from station.pipeline.naming import distinct_names
 from station.progress import Progress, silent
 
 _OBSERVE_S = 0.15
@@ -37,6 +39,17 @@ class Observations:
     height: int | None
     sensor: str | None
 
+    @property
+    def why_left_out(self) -> str:
+        """What to add to a refusal for want of pictures: how many were left out, and why."""
+        if not self.left_out:
+            return ""
+        name, reason = self.left_out[0]
+        return f"; left out before: {len(self.left_out)}, the first, {name}: {reason}"
+
+
+_NOTHING = Observations((), (), None, None, None)
+
 
 def observe_sources(
     sources: Sequence[Path],
@@ -47,13 +60,14 @@ def observe_sources(
 ) -> Observations:
     """Find target and stripe in every picture of the sources, or read them from points.csv.
 
-    A picture in which the target is not found is named in `left_out`, never fatal.
+    A picture in which the target is not found, or that is a copy of another, is named in
+    `left_out`, never fatal.
 
     Raises
     ------
     InputUnusable
-        If a source cannot be used, the pictures differ in size, or the laser-off pictures do not
-        pair with the others.
+        If a source cannot be used or is given twice, the pictures differ in size or sensor, or the
+        laser-off pictures do not pair with the others.
     RecordingUnreadable
         If a recording is damaged.
     """
@@ -61,19 +75,26 @@ def observe_sources(
     pictures = [path for path in sources if path not in points_files]
     if not sources:
         raise InputUnusable("no SOURCE given; give recordings, pictures, folders or a points.csv")
-    views = [view for path in points_files for view in _views_of_file(path, target)]
-    if not pictures:
-        return Observations(tuple(views), (), None, None, None)
-    return _observe_pictures(pictures, target, laser_off, views, progress)
+    of_files = [
+        (label, _views_of_file(path, target))
+        for label, path in zip(distinct_names(points_files), points_files, strict=True)
+    ]
+    seen = _NOTHING if not pictures else _observe_pictures(pictures, target, laser_off, progress)
+    names = [view.name for view in seen.views] + [name for name, _ in seen.left_out]
+    views, copies = without_copies([*named_apart(of_files, names), *seen.views])
+    return replace(seen, views=tuple(views), left_out=(*seen.left_out, *copies))
 
 
 def _views_of_file(path: Path, target: Target) -> list[View]:
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        # Spreadsheets begin such a file with a mark of the byte order.
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
         raise InputUnusable(
-            f"{path}: cannot be read as text ({error}); give a points.csv"
+            f"{path}: cannot be read ({error.strerror}); give a points.csv"
         ) from error
+    except UnicodeDecodeError as error:
+        raise InputUnusable(f"{path}: not text in UTF-8; save it as UTF-8") from error
     return views_from_points(text, target, name=str(path))
 
 
@@ -81,10 +102,10 @@ def _observe_pictures(
     sources: Sequence[Path],
     target: Target,
     laser_off: Sequence[Path],
-    views: list[View],
     progress: Progress,
 ) -> Observations:
     total = count_frames(sources)
+    views: list[View] = []
     left_out: list[tuple[str, str]] = []
     names: list[str] = []
     first: Frame | None = None
@@ -93,7 +114,7 @@ def _observe_pictures(
         nonlocal first
         for frame, off in _paired(sources, laser_off):
             first = first or frame
-            same_size_as(frame, first)
+            alike(frame, first)
             names.append(frame.name)
             yield frame.picture, target, frame.name, off
 
@@ -126,7 +147,7 @@ def _paired(
             raise InputUnusable(
                 f"only {count - 1} laser-off pictures; allowed: one for every picture, same order"
             )
-        yield frame, same_size_as(pair, frame).picture
+        yield frame, alike(pair, frame).picture
     if next(dark, None) is not None:
         raise InputUnusable(
             f"more laser-off pictures than the {count} pictures; allowed: one for every picture"
@@ -141,4 +162,4 @@ def _observe_one(task: _Task) -> View | str:
     try:
         return observe_target(picture, target, name=name, laser_off=laser_off)
     except CalibError as error:
-        return str(error)
+        return str(error).removeprefix(f"{name}: ")

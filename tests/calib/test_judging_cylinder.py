@@ -11,7 +11,13 @@ from synthetic_views import PAPER_SENSOR
 
 from calib import Cause, LaserSensor, SheetFrame, StripePoints, judge_cylinder
 from calib.judging.arc import points_of_arc
-from calib.judging.section import _distance, first_guesses, fit_section
+from calib.judging.section import (
+    distances,
+    fit_section,
+    form_of_slope,
+    radius_of_form,
+    slope_of_form,
+)
 from calib.seeing.stripe import kernel_of
 
 RADIUS_MM = 30.0
@@ -58,7 +64,7 @@ def stripe_on(axis, *, count=60, reach_deg=70.0, noise_px=0.0, rng=None):
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     bend = (after - 2.0 * here + before) / (np.linalg.norm(tangent, axis=1) / 2.0)[:, None] ** 2
     width = np.full(count, WIDTH_PX)
-    pull = 0.5 * (kernel_of(width) ** 2 + 0.5 * width**2)
+    pull = 0.5 * (kernel_of(width) ** 2 + width**2)
     shift = noise_px * rng.normal(size=count) if rng is not None else np.zeros(count)
     return points_at(here + pull[:, None] * bend + shift[:, None] * normal, normal, noise_px)
 
@@ -156,6 +162,26 @@ def test_straight_edges_and_wide_ones_are_not_taken_for_the_section(rng):
     assert among.radius_mm == pytest.approx(alone.radius_mm, abs=0.01)
 
 
+def test_edge_that_touches_the_section_is_not_taken_along_for_it():
+    stripe = stripe_on(tilted_axis(10.0), count=240)
+    # It runs on along the stripe's last direction, near the section, and is much wider but for
+    # a few points.
+    along = stripe.centre_px[-1] - stripe.centre_px[-2]
+    along /= np.linalg.norm(along)
+    edge = stripe.centre_px[-1] + np.outer(np.arange(3.0, 60.0), along)
+    edge = points_at(edge, np.tile(stripe.normal[-1], (len(edge), 1)), width_px=6.0)
+    width = edge.width_px.copy()
+    width[11:15] = 2.0
+    picked, _ = points_of_arc(
+        joined(stripe, replace(edge, width_px=width)),
+        SENSOR,
+        SheetFrame.of(SENSOR.plane),
+        RADIUS_MM,
+    )
+    assert picked[: len(stripe)].sum() > 0.9 * len(stripe)
+    assert not picked[len(stripe) :].any()
+
+
 def test_only_the_lasers_own_points_on_the_section_are_picked():
     stripe = stripe_on(tilted_axis(10.0))
     fading = replace(stripe.select(np.arange(5)), peak=np.full(5, 20.0))
@@ -191,26 +217,48 @@ def test_what_is_no_section_is_refused_with_a_reason(stripe, said):
 
 def test_jacobian_of_the_distance_is_its_slope(rng):
     points = rng.normal(size=(20, 2)) * 5.0 + [30.0, 0.0]
-    at = np.array([1.0, 2.0, 28.0, 0.2, -0.3])
-    _, jacobian = _distance(points, at)
+    at = np.array([1.0, 2.0, 28.0, 1.2, -0.9])
+    _, jacobian = distances(points, at[:2], at[2:], RADIUS_MM)
     for place in range(5):
         step = np.zeros(5)
         step[place] = 1e-5
-        slope = (_distance(points, at + step)[0] - _distance(points, at - step)[0]) / 2e-5
+        ahead, behind = at + step, at - step
+        slope = distances(points, ahead[:2], ahead[2:], RADIUS_MM)[0]
+        slope = (slope - distances(points, behind[:2], behind[2:], RADIUS_MM)[0]) / 2e-5
         np.testing.assert_allclose(jacobian[:, place], slope, atol=1e-8)
 
 
-def test_radius_owes_to_the_points_what_refitting_says(rng):
+@pytest.mark.parametrize("slope", [[0.0, 0.0], [0.3, 0.0], [-0.1, 0.25], [0.0, -0.4]])
+def test_form_tells_radius_and_slope_but_for_its_sign(slope):
+    form = RADIUS_MM * form_of_slope(np.array(slope))
+    assert radius_of_form(form) == pytest.approx(RADIUS_MM, abs=1e-9)
+    found = slope_of_form(form)
+    np.testing.assert_allclose(np.outer(found, found), np.outer(slope, slope), atol=1e-9)
+
+
+def test_points_on_a_tilted_cylinders_section_have_no_distance(rng):
+    # Points of the mantle (R cos a, R sin a, h) turned so that the axis is (p, q, 1).
+    slope = np.array([0.2, -0.35])
+    axis = np.append(slope, 1.0) / np.sqrt(1.0 + slope @ slope)
+    arm = rng.normal(size=(50, 2))
+    flat = np.column_stack([arm, np.zeros(50)])
+    reach = np.linalg.norm(flat - np.outer(flat @ axis, axis), axis=1)
+    points = arm / reach[:, None] * RADIUS_MM
+    form = RADIUS_MM * form_of_slope(slope)
+    np.testing.assert_allclose(distances(points, np.zeros(2), form, RADIUS_MM)[0], 0.0, atol=1e-9)
+
+
+def test_form_owes_to_the_points_what_refitting_says(rng):
     angle = np.linspace(-1.2, 1.2, 80)
     points = RADIUS_MM * np.column_stack([np.cos(angle), 1.05 * np.sin(angle)])
     points += rng.normal(size=points.shape) * 0.003
     sigma = np.full(len(points), 0.003)
-    guesses = first_guesses(np.zeros(2), RADIUS_MM)
-    fit = fit_section(points, sigma, guesses)
+    start = np.array([RADIUS_MM, 0.0, 0.0])
+    fit = fit_section(points, sigma, np.zeros(2), start, unit_mm=RADIUS_MM)
     moved = points.copy()
     shift = 1e-4
     moved[40] += shift * points[40] / np.linalg.norm(points[40])
-    again = fit_section(moved, sigma, [fit.unknowns])
-    change = (again.radius_mm - fit.radius_mm) / shift
+    again = fit_section(moved, sigma, fit.centre_mm, fit.form_mm, unit_mm=RADIUS_MM)
+    change = (again.form_mm - fit.form_mm) / shift
     # The other points' weights follow a little: to second order.
-    assert change == pytest.approx(fit.radius_by_residual[40], rel=0.05)
+    np.testing.assert_allclose(change, fit.form_by_residual[:, 40], rtol=0.05)

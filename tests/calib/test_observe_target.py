@@ -83,21 +83,15 @@ def test_the_mean_of_a_stripe_is_unbiased_in_good_light():
     assert abs(np.mean(means)) < 0.004
 
 
-@pytest.mark.parametrize("name", ["good", "dim", "reflection"])
-def test_sigma_of_dots_is_that_of_their_scatter(name):
-    centres, sigmas = [], []
-    for seed in range(8):
-        _, view = seen_in(name, seed)
-        table = np.full((2, 7, 8, 2), np.nan)
-        table[0, view.points.row, view.points.col] = view.points.centre_px
-        table[1, view.points.row, view.points.col] = view.points.sigma_px
-        centres.append(table[0])
-        sigmas.append(table[1])
-    scatter = np.std(centres, axis=0, ddof=1)
-    ratio = scatter / np.mean(sigmas, axis=0)
-    # 56 dots, two coordinates, 7 degrees of freedom each pin the ratio to 2.5 %; sigma is meant
-    # to be true within 15 %, rather too large than too small.
-    assert np.sqrt(np.nanmean(ratio**2)) == pytest.approx(0.93, abs=0.15)
+@pytest.mark.parametrize("name", ["good", "dim", "reflection", "crossing", "stray"])
+def test_sigma_of_dots_is_that_of_their_error(name):
+    errors = []
+    for seed in range(5):
+        scene, view = seen_in(name, seed)
+        errors.append(error_px(scene, view.points) / view.points.sigma_px)
+    # Part of an error stays from seed to seed (what lights the ground, the grid that the discs
+    # are drawn on): 112 coordinates pin the ratio to 7 % at worst.
+    assert np.sqrt((np.concatenate(errors) ** 2).mean()) == pytest.approx(1.0, abs=0.2)
 
 
 def test_dots_under_the_stripe_are_flagged_and_still_good():
@@ -250,3 +244,10 @@ def test_the_whole_stripe_is_seen_by_the_locator_as_well(rng):
     points = locate_stripe(picture)
     error = np.abs(scene.stripe_error_px(points))
     assert np.median(error[error < 3.0]) < 0.02
+
+
+def test_dots_tell_their_own_radius():
+    scene, view = seen_in("good")
+    # An outline is good to 0.1 px of a radius of 14; the median of 56 is better.
+    true = 0.5 * scene.target.diameter_mm / scene.target.pitch_mm
+    assert view.dot_radius == pytest.approx(true, rel=0.02)

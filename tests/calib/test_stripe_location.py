@@ -94,6 +94,40 @@ def test_a_sloping_ground_does_not_draw_the_stripe_to_its_bright_side(slope):
     assert abs(error[on_stripe].mean()) < 0.003
 
 
+def test_the_rim_of_a_clipped_reflection_is_no_stripe(rng):
+    v, u = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    light = 12.0 + 600.0 * np.exp(-0.5 * np.hypot(v - 160.0, u - 600.0) ** 2 / 40.0**2)
+    assert len(locate_stripe(exposed(light, rng, gain=0.05))) == 0
+
+
+def test_a_stripe_into_a_clipped_reflection_is_given_as_far_as_it_is_true(rng):
+    v, u = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    squared = (v - 150.0) ** 2 + (u - 600.0) ** 2
+    glare = 600.0 * np.exp(-0.5 * squared / 30.0**2) + 40.0 * np.exp(-0.5 * squared / 300.0**2)
+    points = locate_stripe(exposed(stripe_light(STRAIGHT) + glare, rng, gain=0.05))
+    error = error_px(points, STRAIGHT)
+    # Up to the rim of the core the sensor clips the stripe; beyond, it hides it: 2 x 50 px.
+    assert points.saturated.sum() > 20
+    assert len(points) == pytest.approx(1300 - 100, abs=50)
+    # Nearest the core a centre is off by some 0.03 px; 4 sigmas of 0.013 px at most elsewhere.
+    assert np.abs(error).max() < 0.08
+    assert np.abs(error / points.sigma_px).max() < 5.0
+
+
+def test_where_a_step_of_the_ground_is_too_near_no_centre_is_given(rng):
+    # The step moves the centres by up to 0.3 px, for it looks like a slope.
+    step = np.where(np.arange(SHAPE[0])[:, None] < STRAIGHT - 6.0, 100.0, 0.0)
+    light = stripe_light(STRAIGHT, width=1.5, height=110.0)
+    light[:, 300:600] += step[:, 300:600]
+    points = locate_stripe(exposed(light, rng))
+    error = error_px(points, STRAIGHT)
+    beside = (points.centre_px[:, 0] > 310.0) & (points.centre_px[:, 0] < 590.0)
+    assert beside.sum() < 15
+    assert len(points) > 900
+    away = np.abs(points.centre_px[:, 0] - 450.0) > 170.0
+    assert np.abs(error[away]).max() < 0.08
+
+
 def test_smoothing_draws_a_bend_inwards_as_documented(rng):
     centre = 160.0 + 100.0 * np.sin(U / 150.0)
     picture = exposed(stripe_light(centre, width=3.0, height=200.0), rng, read=0.5)

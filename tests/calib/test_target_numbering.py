@@ -6,7 +6,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from calib.homography import apply_homography
-from calib.seeing.lattice import find_lattice
+from calib.seeing.lattice import Lattice, find_lattice
 from calib.seeing.numbering import inside_target, number
 
 ROWS, COLS = 7, 8
@@ -31,7 +31,7 @@ def grid(rows=ROWS, cols=COLS):
 
 def numbered(points, size, rows=ROWS, cols=COLS):
     """Return {index of a point: (row, col)}, or None."""
-    lattice = find_lattice(points, size, rows * cols)
+    lattice = find_lattice(points, size, rows, cols)
     if lattice is None:
         return None
     numbering = number(lattice.node, lattice.picture_from_node, rows, cols)
@@ -121,5 +121,24 @@ def test_points_at_random_are_no_target(rng):
 def test_too_few_points_are_no_lattice(count):
     assume(count < 6)
     assert (
-        find_lattice(np.random.default_rng(0).uniform(size=(count, 2)), np.ones(count), 56) is None
+        find_lattice(np.random.default_rng(0).uniform(size=(count, 2)), np.ones(count), 7, 8)
+        is None
     )
+
+
+@pytest.mark.parametrize("rows_of_wall", [9, 12])
+def test_a_larger_lattice_behind_the_target_is_not_taken_for_it(rows_of_wall):
+    mine = apply_homography(seen(0.3, (0.01, -0.01)), grid().astype(float))
+    wall = 41.0 * grid(rows_of_wall, 30)
+    covered = np.linalg.norm(wall[:, None] - mine[None], axis=2).min(axis=1) < 40.0
+    points = np.concatenate([wall[~covered], mine])
+    found = numbered(points, np.ones(len(points)))
+    assert found is not None
+    first = int((~covered).sum())
+    assert {found[first + i] for i in range(ROWS * COLS)} == set(map(tuple, grid().tolist()))
+
+
+def test_a_lattice_of_more_points_than_the_target_counts_those_against_it():
+    lattice = Lattice(grid(10, 10), np.arange(100), np.eye(3))
+    # A window of 7 x 8 holds 56 of the hundred; 44 lie outside.
+    assert lattice.likeness(7, 8) == 56 - 44

@@ -99,6 +99,10 @@ class Belief:
             self.stripe.updated(residual, weight, spent),
         )
 
+    def held_at(self, problem: Problem, place: Place) -> "Belief":
+        """Weigh the points at this place anew, by the same mixtures."""
+        return Belief.of(problem, place, self.dots, self.stripe)
+
     def with_runs_at(self, problem: Problem, place: Place) -> "Belief":
         """Count stripe points that repeat their neighbours once."""
         table, present = problem.observations.stripe, problem.stripe_present
@@ -126,7 +130,8 @@ class Belief:
 
     def cost(self, problem: Problem, place: Place) -> float:
         """Return the cost of a place under these weights."""
-        squares = (place.dots.residual**2).sum(axis=1) @ self.dots_weight / self.dots.variance
+        dots = place.dots.residual
+        squares = np.einsum("ij,ij->i", dots, dots) @ self.dots_weight / self.dots.variance
         stripe = (place.stripe.residual**2)[:, 0] @ self.stripe_weight / self.stripe.variance
         information, gap = problem.prior_at(place.estimate)
         return float(squares + stripe + gap @ information @ gap) / 2.0

@@ -29,9 +29,10 @@ def believable_stripes(problem: Problem, solution: Solution) -> BoolArray:
     edges = np.searchsorted(seen.stripe.view, np.arange(seen.count + 1))
     dot_believed = solution.dots_mixture.believed(solution.dots.residual)
     surprise = np.full(seen.count, np.inf)
+    dots = np.bincount(seen.dots.view, minlength=seen.count)
+    pulled = np.bincount(seen.dots.view, dot_believed, seen.count) < _LEAST_DOTS_BELIEVED * dots
     for view, (first, last) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
-        pulled = dot_believed[seen.dots.view == view].mean() < _LEAST_DOTS_BELIEVED
-        if last - first >= LEAST_STRIPE_POINTS and not pulled:
+        if last - first >= LEAST_STRIPE_POINTS and not pulled[view]:
             surprise[view] = _surprise(problem, solution, view, np.arange(first, last))
     usual = np.median(surprise[np.isfinite(surprise)]) / _MEDIAN_SURPRISE
     return np.asarray(surprise <= _MOST_SURPRISE * max(usual, 1.0))

@@ -10,6 +10,7 @@ from calib.camera import PARAMETERS, CameraModel
 from calib.solving.joint.false_stripes import believable_stripes
 from calib.solving.joint.parameters import Estimate, Layout
 from calib.solving.joint.problem import Prior, Problem, Solution
+from calib.solving.joint.second_look import acquitted
 from calib.solving.joint.solve import solve
 from calib.solving.prepared import Answer, PointsAnswer, Prepared
 
@@ -43,6 +44,7 @@ def solve_jointly(prepared: Prepared) -> Answer:
         # Left out and then found true, a stripe stays in: once it holds its pose almost alone,
         # the leverage formula has nothing left to judge it by.
         let_in |= believable & ~problem.stripe_in
+        let_in |= acquitted(problem, solution, ~believable & ~let_in)
         fitting = believable | let_in
         if (fitting == problem.stripe_in).all() or fitting.sum() < 2:
             break

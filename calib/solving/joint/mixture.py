@@ -78,15 +78,27 @@ class Mixture:
         residual
             Shape (N, 1 or 2), over the predicted sigma.
         """
-        square = (residual**2).sum(axis=1) / self.scale**2
+        square = np.einsum("ij,ij->i", residual, residual) / self.scale**2
         if not self.settled:
             return np.asarray(_HUBER / np.sqrt(square).clip(min=_HUBER))
-        dimensions = residual.shape[1]
+        odds = self._odds(square, residual.shape[1])
+        return np.asarray(np.maximum(1.0 / (1.0 + odds), _LEAST_WEIGHT))
+
+    def surprise(self, residual: FloatArray) -> FloatArray:
+        """Return minus twice the log likelihood of each point, over that of one without residual.
+
+        For good points the square over the variance, for outliers a constant; shape (N,).
+        """
+        square = np.minimum(np.einsum("ij,ij->i", residual, residual) / self.scale**2, 600.0)
+        odds = self._odds(square, residual.shape[1])
+        return np.asarray(square - 2.0 * np.log1p(odds))
+
+    def _odds(self, square: FloatArray, dimensions: int) -> FloatArray:
+        """Return how much likelier points of such squares are outliers than good, shape (N,)."""
         normal = (1.0 - self.share) * (2.0 * np.pi) ** (-dimensions / 2.0)
         box = self.share * (2.0 * _REACH) ** -dimensions
         # The exponential would overflow.
-        odds = box / normal * np.exp(np.minimum(square / 2.0, 300.0))
-        return np.asarray(np.maximum(1.0 / (1.0 + odds), _LEAST_WEIGHT))
+        return np.asarray(box / normal * np.exp(np.minimum(square / 2.0, 300.0)))
 
     def believed(self, residual: FloatArray) -> BoolArray:
         """Tell which points are more likely good than not, shape (N,)."""

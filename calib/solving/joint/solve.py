@@ -8,13 +8,16 @@ from calib.solving.joint.belief import Belief, Place
 from calib.solving.joint.parameters import POSE_SIZE, Estimate
 from calib.solving.joint.problem import Problem, Solution
 
-# Where a few exact points sway many, belief and answer settle slowly: 108 steps were seen.
-_ITERATIONS = 500
+_ITERATIONS = 300
+# Then the scales are held and the weights alone renewed, which must come to an end: where a few
+# exact points sway many, scale and answer can follow each other for hundreds of steps.
+_SETTLING = 40
 # A step shorter than this many standard deviations (of all parameters together) is an arrival.
 _ARRIVED = 1e-3
 # A step of less than this many standard deviations a parameter: what is left is noise, not misfit.
 _NEAR = 0.5
 _LEAST_DAMPING, _FIRST_DAMPING, _MOST_DAMPING = 1e-12, 1e-4, 1e10
+_FIRST_RAISING = 4.0
 
 
 def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
@@ -51,7 +54,7 @@ def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
     place = Place.at(problem, start, rays)
     belief = (Belief.from_near if near else Belief.from_medians)(problem, place)
     parameters = problem.layout.size + POSE_SIZE * problem.observations.count
-    damping = _FIRST_DAMPING
+    damping, raising = _FIRST_DAMPING, _FIRST_RAISING
     moving, runs_counted = True, False
     for iteration in range(1, _ITERATIONS + 1):
         total = belief.equations(problem, place)[2]
@@ -69,19 +72,23 @@ def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
         # Near the end the cost cannot fall by more than its own rounding.
         if fall >= -1e-12 * (1.0 + total.cost):
             place, before = trial_place, belief
-            if belief.dots.settled or decrement <= _NEAR**2 * parameters:
+            if iteration > _SETTLING and belief.dots.settled:
+                belief = belief.held_at(problem, place)
+            elif belief.dots.settled or decrement <= _NEAR**2 * parameters:
                 belief = belief.settled_at(problem, place)
             else:
                 belief = Belief.from_medians(problem, place)
             moving = belief.differs_from(before)
-            damping = _eased(damping, fall, decrement)
+            damping, raising = _eased(damping, fall, decrement), _FIRST_RAISING
         elif damping >= _MOST_DAMPING:
             raise NotConverged(
                 f"the solve stands still after {iteration} steps; check the target's size and "
                 "the pictures' quality"
             )
         else:
-            damping = max(damping * 10.0, _FIRST_DAMPING)
+            # Ever faster: in a curved valley the damping that just works is found in small steps,
+            # and from afar it is soon there.
+            damping, raising = damping * raising, raising * _FIRST_RAISING
     raise NotConverged(
         f"the solve did not end within {_ITERATIONS} steps; check the target's size and the "
         "pictures' quality"

@@ -134,9 +134,31 @@ def test_cylinder_on_a_free_axis_is_told_with_its_uncertainty(folder, capsys):
         "--json",
     )
     assert code == 0
-    for reading in json.loads(out)["readings"]:
-        # Systematic pulls of the stripe are not in u95; see `judge_cylinder`.
-        assert abs(reading["radius_mm"] - 30.0) < 3.0 * reading["u95_mm"]
+    data = json.loads(out)
+    # 1.5 half-widths of a 95 % interval are three sigmas.
+    for reading in [data, *data["readings"]]:
+        assert abs(reading["radius_mm"] - 30.0) < 1.5 * reading["u95_mm"]
+    for reading in data["readings"]:
+        assert abs(reading["alone_mm"] - 30.0) < 1.5 * reading["alone_u95_mm"]
+    # What all share is known better than by the worst alone.
+    assert data["u95_mm"] < max(reading["alone_u95_mm"] for reading in data["readings"])
+
+
+def test_axis_that_was_turned_is_not_taken_for_a_common_one(folder, capsys):
+    code, out, err = station(
+        capsys,
+        "evaluate",
+        "cylinder",
+        folder / "cylinder",
+        "--calibration",
+        folder / "a.json",
+        "--radius",
+        30,
+        "--axis",
+        "common",
+    )
+    assert (code, out) == (1, "")
+    assert "chi-square" in err
 
 
 def test_pictures_without_a_cylinder_are_no_answer(folder, capsys):
@@ -158,9 +180,9 @@ def test_pictures_without_a_cylinder_are_no_answer(folder, capsys):
     ("options", "said"),
     [
         (["--radius", "0"], "more than 0"),
-        (["--radius", "30", "--axis", "upright"], "free, square, or X,Y,Z"),
+        (["--radius", "30", "--axis", "upright"], "free, common, square, or X,Y,Z"),
         (["--radius", "30", "--axis", "1,0,0"], "60 degrees"),
-        (["--radius", "30", "--axis", "0,nan,0"], "free, square, or X,Y,Z"),
+        (["--radius", "30", "--axis", "0,nan,0"], "free, common, square, or X,Y,Z"),
     ],
 )
 def test_cylinder_says_what_it_allows(folder, capsys, options, said):

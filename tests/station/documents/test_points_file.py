@@ -114,7 +114,19 @@ HEADER = "image,kind,row,col,u,v,sigma_u,sigma_v\n"
         (HEADER + "a,dot,0,0,x,1,1,1\n", "line 2: .* not a number"),
         (HEADER + "a,dot,0,0,1\n", "line 2: .* not a number"),
         (HEADER + "a,blob,0,0,1,1,1,1\n", "kind 'blob'; allowed: dot, stripe"),
-        (HEADER + "a,dot,0,0,1,1,0,0\n", "sigma 0.0, 0.0; allowed: positive"),
+        (HEADER + "a,dot,0,0,1,1,0,0\n", "sigma 0, 0; allowed: positive"),
+        (HEADER + "a,dot,0,0,1,1,0.1,0\n", "sigma 0.1, 0; allowed: positive"),
+        (HEADER + "a,dot,0,0,1,1,-1,1\n", "sigma -1, 1; allowed: positive"),
+        (HEADER + "a,dot,0,0,1,1,1e-300,1\n", "sigma 1e-300, 1; allowed: positive"),
+        (HEADER + "a,dot,0,0,1,1,1,1e300\n", r"sigma 1, 1e\+300; allowed: positive"),
+        (HEADER + "a,dot,0,0,1e308,1,1,1\n", r"a point at 1e\+308, 1; allowed"),
+        (HEADER + "a,dot,0.5,0,1,1,1,1\n", "row '0.5' is not a whole number"),
+        (HEADER + "a,dot,inf,0,1,1,1,1\n", "row 'inf' is not a whole number"),
+        (HEADER + ",dot,0,0,1,1,1,1\n", "line 2: no name of an image"),
+        (HEADER + "a,dot,0,0,1,5,1,5,1,1\n", "line 2: more fields than the header"),
+        ("u," + HEADER + "1,a,dot,0,0,1,1,1,1\n", "column u stands twice"),
+        (HEADER + "a,stripe,,,1,1,1,1\na,stripe,,,2,1,1,1\n" * 2, "line 4: the stripe point"),
+        (HEADER.replace(",", ";") + "a;dot;0;0;1,5;1;1;1\n", "u '1,5' is not a number"),
         (HEADER + "a,dot,7,0,1,1,1,1\n", "row 7, col 0; allowed"),
         (HEADER + "a,dot,0,0,1,1,1,1\n" * 2, "line 3: .* line 2 already"),
         (HEADER + "a,stripe,,,1,1,1,1\n", "1 stripe points in a"),
@@ -123,3 +135,23 @@ HEADER = "image,kind,row,col,u,v,sigma_u,sigma_v\n"
 def test_file_that_could_mislead_is_refused_with_its_line(text, said):
     with pytest.raises(InputUnusable, match=said):
         views_from_points(text, TARGET, name="points.csv")
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        pytest.param(lambda text: text.replace(",", ";"), id="semicolons"),
+        pytest.param(lambda text: text.replace(",", "\t"), id="tabs"),
+        pytest.param(lambda text: text.replace(",", ", "), id="spaces"),
+        pytest.param(lambda text: text.replace("\n", "\r\n"), id="lines of DOS"),
+        pytest.param(lambda text: text.replace(",0,1,", ",0.0,1.0,"), id="whole floats"),
+        pytest.param(lambda text: text + "\n\n", id="empty lines"),
+    ],
+)
+def test_table_of_another_program_is_read_the_same(view, calibration, written):
+    text = points_csv(calibration)
+    (plain,) = views_from_points(text, TARGET, name="points.csv")
+    (other,) = views_from_points(written(text), TARGET, name="points.csv")
+    np.testing.assert_array_equal(other.points.centre_px, plain.points.centre_px)
+    np.testing.assert_array_equal(other.points.row, plain.points.row)
+    np.testing.assert_array_equal(other.stripe.sigma_px, plain.stripe.sigma_px)
