@@ -8,7 +8,8 @@ from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.seeing.noise import SATURATED_FROM
 from calib.seeing.resample import Float32Array, sampled
 
-_ITERATIONS = 3
+_STEPS_OF_ALL = 2  # one more for the rows that the second still changed
+_SETTLED_PX = 0.05  # the next step changes centre and width by a hundredth of that
 _DAMPING = 1e-3
 _MORE_IF_CLIPPED = 8
 _RESAMPLING_VARIANCE = 1.0 / 6.0  # px^2: what going between pixels adds to a profile's width
@@ -114,8 +115,12 @@ def fit_profiles(samples: Float32Array) -> Profiles:
     clipped = samples >= SATURATED_FROM
     any_clipped = clipped.any(axis=1)
     jacobian = np.empty((len(samples), 6, c.size), dtype=np.float32)
-    for _ in range(_ITERATIONS):
+    for _ in range(_STEPS_OF_ALL):
+        before = parameters
         parameters = _stepped(parameters, samples, weight, clipped, c, jacobian)
+    moving = np.flatnonzero(_still_moves(before, parameters) | any_clipped)
+    of_moving = samples[moving], weight[moving], clipped[moving]
+    parameters[moving] = _stepped(parameters[moving], *of_moving, c, jacobian[: len(moving)])
     # The height of a clipped stripe is known by its flanks alone: it takes more steps.
     if any_clipped.any():
         part = parameters[any_clipped]
@@ -133,6 +138,11 @@ def fit_profiles(samples: Float32Array) -> Profiles:
     middle = np.abs(c) <= 1.0 + np.minimum(width, 3.0)[:, None]
     saturated = (clipped & middle).any(axis=1)
     return Profiles(height, centre, width, ground, slope, misfit.astype(np.float64), saturated)
+
+
+def _still_moves(before: Float32Array, now: Float32Array) -> BoolArray:
+    """Return which rows the last step still changed in centre or width."""
+    return np.asarray(np.abs(now - before)[:, 1:3].max(axis=1) > _SETTLED_PX)
 
 
 def _window(c: Float32Array, width_px: Float32Array) -> Float32Array:
