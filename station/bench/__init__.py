@@ -7,6 +7,7 @@ from station.bench.capture import bench_capture
 from station.bench.deviations import bench_deviations
 from station.bench.lights import bench_lights
 from station.bench.paper import bench_paper
+from station.bench.pose_sets import bench_pose_sets
 from station.bench.stripe import bench_stripe, bench_stripe_sigma
 from station.bench.sweeps import bench_sweeps
 from station.progress import Progress
@@ -17,7 +18,7 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
     "lights": (bench_lights,),
     "paper": (bench_paper,),
     "deviations": (bench_deviations,),
-    "calibration": (bench_sweeps, bench_solving, bench_solvers),
+    "calibration": (bench_sweeps, bench_pose_sets, bench_solving, bench_solvers),
     "stripe": (bench_stripe, bench_stripe_sigma),
 }
 """What `station bench NAME` measures: one table each."""
@@ -28,6 +29,7 @@ __all__ = [
     "bench_deviations",
     "bench_lights",
     "bench_paper",
+    "bench_pose_sets",
     "bench_solvers",
     "bench_solving",
     "bench_stripe",

@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from calib import Method, calibrate, cramer_rao_bound
-from station.bench import BENCHES, bench_solvers, bench_solving, bench_sweeps, calibration
+from station.bench import (
+    BENCHES,
+    bench_pose_sets,
+    bench_solvers,
+    bench_solving,
+    bench_sweeps,
+    calibration,
+)
 from station.bench.best_linear import BestLinear
 from station.bench.peers import NOT_INSTALLED, peer
 from station.bench.peers_calibration import peer_plane
@@ -81,6 +88,15 @@ def test_sweeps_have_a_row_a_level_and_joint_stays_near_the_bound():
         # The draws are the same for both, so that four runs tell the ratio to about 3 %.
         assert row["joint over bound"] == pytest.approx(1.0, abs=0.12)
         assert {f"{method} {name}" for method in Method for name in "abcd"} <= set(row)
+
+
+def test_pose_sets_are_told_by_their_quantiles():
+    table = bench_pose_sets(silent, sets=3, poses=5, runs=2)
+    assert [row["RMSE over bound"] for row in table.rows] == [*Method, "preplanar over joint"]
+    for row in table.rows:
+        spread = [row[name] for name in ("least", "quarter", "half", "three quarters", "most")]
+        assert spread == sorted(spread)
+        assert spread[0] > 0.0
 
 
 def test_every_method_is_timed_with_the_camera_known_and_estimated(monkeypatch):
