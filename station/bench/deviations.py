@@ -73,11 +73,12 @@ def _figures(seen: Sequence[SeenTarget], answer: Calibration) -> list[Value]:
     """Return RMS of dots before and after, of stripe points before and after."""
     dots: list[FloatArray] = [np.empty((0, 2))]
     stripe: list[FloatArray] = [np.empty((0, 2))]
-    for each, solved in zip(seen, answer.views, strict=True):
+    # The stripe is the one that the solve settled on: in stray light it may be another line.
+    for each, used, solved in zip(seen, answer.seen, answer.views, strict=True):
         if solved.dots is not None:
             dots.append(_dot_deviations_px(each, solved.dots))
-        if solved.stripe is not None and each.view.stripe is not None:
-            stripe.append(_stripe_deviations_px(each.scene, each.view.stripe, solved.stripe))
+        if solved.stripe is not None and used.stripe is not None:
+            stripe.append(_stripe_deviations_px(each.scene, used.stripe, solved.stripe))
     return [
         float(np.sqrt(np.mean(column**2)))
         for part in (np.concatenate(dots), np.concatenate(stripe))
