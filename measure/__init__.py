@@ -1,7 +1,7 @@
 """From a stripe on a wheel to gauge readings with their uncertainty.  Pure mathematics, mm."""
 
 from measure.errors import MeasureError, ProfileTextInvalid, ReferenceInvalid, ReferenceUnknown
-from measure.grouping import group_into_wheels
+from measure.grouping import each_wheel, group_into_wheels
 from measure.limits import Limit, Limits
 from measure.mounting import Mounting
 from measure.profile import Profile
@@ -35,6 +35,7 @@ __all__ = [
     "WheelFrame",
     "WheelQuality",
     "WheelReadings",
+    "each_wheel",
     "format_miniprof",
     "gauge_profile",
     "group_into_wheels",

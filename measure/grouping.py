@@ -1,7 +1,8 @@
 """Frames of a recording sorted into wheels, by time and by what they show."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 from itertools import groupby
+from operator import itemgetter
 
 from measure.frame import MIN_STRIPE_POINTS
 from measure.wheel import WheelFrame
@@ -10,11 +11,22 @@ MAX_GAP_S = 0.04
 """Frames farther apart belong to different wheels: at 53 frames a second two missing frames end a
 wheel, and no train brings the next axle (1.8 m) sooner at less than 160 km/h."""
 
+MOST_FRAMES = 256
+"""Of a wheel that is seen longer every second frame is kept, or fewer: it stands, and more frames
+of it tell nothing new."""
+
 
 def group_into_wheels(
-    frames: Sequence[WheelFrame], *, max_gap_s: float = MAX_GAP_S
+    frames: Iterable[WheelFrame], *, max_gap_s: float = MAX_GAP_S
 ) -> tuple[tuple[WheelFrame, ...], ...]:
-    """Sort frames into wheels.
+    """Sort frames into wheels; see `each_wheel`."""
+    return tuple(each_wheel(frames, max_gap_s=max_gap_s))
+
+
+def each_wheel(
+    frames: Iterable[WheelFrame], *, max_gap_s: float = MAX_GAP_S
+) -> Iterator[tuple[WheelFrame, ...]]:
+    """Yield the frames of one wheel after another, with those of one in memory.
 
     Parameters
     ----------
@@ -23,13 +35,13 @@ def group_into_wheels(
     max_gap_s
         Greatest time between frames of one wheel.
 
-    Returns
-    -------
-    wheels
-        Frames of each wheel. Frames without a time (pictures) are a wheel each. Frames that
-        follow each other closely are one even where none of them shows anything: a wheel triggered
-        them, and a wheel nobody saw is a row too. In a running series that shows wheels, frames
-        that show nothing part them.
+    Yields
+    ------
+    wheel
+        Its frames, `MOST_FRAMES` at most, evenly spread. Frames without a time (pictures) are a
+        wheel each. Frames that follow each other closely are one even where none of them shows
+        anything: a wheel triggered them, and a wheel nobody saw is a row too. In a running series
+        that shows wheels, frames that show nothing part them.
 
     Raises
     ------
@@ -38,26 +50,42 @@ def group_into_wheels(
     """
     if not max_gap_s > 0.0:
         raise ValueError(f"max_gap_s must be positive, got {max_gap_s}")
-    wheels: list[tuple[WheelFrame, ...]] = []
-    for series in _series(frames, max_gap_s):
-        if not any(_shows_something(frame) for frame in series):
-            wheels.append(tuple(series))
-            continue
-        for present, run in groupby(series, key=_shows_something):
-            if present:
-                wheels.append(tuple(run))
-    return tuple(wheels)
+    for _, numbered in groupby(_by_series(frames, max_gap_s), key=itemgetter(0)):
+        yield from _wheels_of_series(frame for _, frame in numbered)
 
 
-def _series(frames: Sequence[WheelFrame], max_gap_s: float) -> list[list[WheelFrame]]:
-    """Cut the frames wherever the next one comes too late, or from another source."""
-    series: list[list[WheelFrame]] = []
+def _wheels_of_series(series: Iterable[WheelFrame]) -> Iterator[tuple[WheelFrame, ...]]:
+    shown = False
+    dark: tuple[WheelFrame, ...] = ()
+    for present, run in groupby(series, key=_shows_something):
+        if present:
+            shown = True
+            yield _thinned(run)
+        elif not shown:
+            dark = _thinned(run)
+    if not shown:
+        yield dark
+
+
+def _thinned(run: Iterable[WheelFrame]) -> tuple[WheelFrame, ...]:
+    kept: list[WheelFrame] = []
+    step = 1
+    for place, frame in enumerate(run):
+        if place % step == 0:
+            kept.append(frame)
+        if len(kept) > MOST_FRAMES:
+            kept, step = kept[::2], 2 * step
+    return tuple(kept)
+
+
+def _by_series(frames: Iterable[WheelFrame], max_gap_s: float) -> Iterator[tuple[int, WheelFrame]]:
+    """Give each frame the number of its series, which a late one or another source begins."""
+    number, before = 0, None
     for frame in frames:
-        if series and _follows(series[-1][-1], frame, max_gap_s):
-            series[-1].append(frame)
-        else:
-            series.append([frame])
-    return series
+        if before is not None and not _follows(before, frame, max_gap_s):
+            number += 1
+        yield number, frame
+        before = frame
 
 
 def _follows(before: WheelFrame, after: WheelFrame, max_gap_s: float) -> bool:

@@ -40,13 +40,41 @@ class MountingSettings(_Section):
     """Nominal radius of the wheels at the tape circle, mm."""
 
 
+class RegionSettings(_Section):
+    """The part of the sensor chip that is read out; what is absent stays as large as it can be."""
+
+    offset_x_px: int = Field(default=0, ge=0)
+    """Columns left out on the left, px."""
+    offset_y_px: int = Field(default=0, ge=0)
+    """Rows left out at the top, px."""
+    width_px: int | None = Field(default=None, gt=0)
+    """Columns read out, px."""
+    height_px: int | None = Field(default=None, gt=0)
+    """Rows read out, px."""
+    binning_x: int | None = Field(default=None, ge=1)
+    """Columns of the chip that make one of the picture; offsets and sizes count after it."""
+    binning_y: int | None = Field(default=None, ge=1)
+    """Rows of the chip that make one of the picture."""
+
+
+class ExposureSettings(_Section):
+    """One frame of an exposure sequence."""
+
+    exposure_us: float = Field(gt=0.0)
+    """Exposure time, us."""
+    gain_db: float | None = None
+    """Gain, dB; the sensor's where absent."""
+    laser: bool = True
+    """Whether the laser shines; switching it needs `laser_output`."""
+
+
 class SensorSettings(_Section):
     """One sensor: a camera, its laser, and where it stands."""
 
     id: SensorId
     """Name of the sensor: lower-case letters, digits, - and _."""
     address: str
-    """IP address of the camera."""
+    """IP address of the camera; Fake_1 is the one that Aravis brings for trials."""
     side: Literal["left", "right"] = "left"
     """The side of the train whose wheels it sees."""
     trigger: Literal["free", "software", "Line1"] = "Line1"
@@ -55,14 +83,75 @@ class SensorSettings(_Section):
     """Exposure time, µs; the camera's own where absent."""
     gain_db: float | None = None
     """Gain, dB; the camera's own where absent."""
+    black_level: float | None = Field(default=None, ge=0.0)
+    """Level of a dark pixel, in the camera's unit; its own where absent."""
+    region: RegionSettings = RegionSettings()
+    """The part of the chip that is read out; a calibration holds for one region alone."""
+    trigger_activation: Literal["RisingEdge", "FallingEdge", "AnyEdge"] | None = None
+    """Which edge of the line triggers; the rising one where absent."""
+    trigger_delay_us: float | None = Field(default=None, ge=0.0)
+    """Time from the trigger to the exposure, us."""
+    trigger_debounce_us: float | None = Field(default=None, ge=0.0)
+    """Pulses of line 1 shorter than this are none, us."""
+    outputs: dict[str, bool] = Field(default_factory=dict)
+    """Levels of the user outputs, as UserOutput0 = true."""
+    laser_output: str | None = None
+    """The user output that switches the laser, as UserOutput0; absent where none does."""
+    calibration_exposures: tuple[ExposureSettings, ...] = Field(default=(), max_length=16)
+    """Frames taken of each pose in a calibration session: dots and stripe want different ones."""
+    features: dict[str, bool | int | float | str] = Field(default_factory=dict)
+    """Other GenICam features of the camera, by name; they are set first, in this order."""
     frame_rate_hz: float = Field(default=53.0, gt=0.0)
     """Frames a second in free run."""
     packet_size: int = Field(default=9000, ge=576, le=16384)
     """GVSP packet size, bytes; the path must carry it."""
+    packet_delay_ns: int | None = Field(default=None, ge=0)
+    """Pause between packets, ns; several cameras on one link need it."""
     ring_slots: int = Field(default=128, ge=4, le=1024)
     """Frames the memory between camera and disk holds: 128 bridge 2.4 s of a slow disk at 53 Hz."""
     mounting: MountingSettings | None = None
     """Where the sensor stands; wheel sections need it."""
+
+    @model_validator(mode="after")
+    def _laser_can_be_switched(self) -> Self:
+        dark = any(not step.laser for step in self.calibration_exposures)
+        if dark and self.laser_output is None:
+            raise ValueError(
+                "calibration_exposures switch the laser off but nothing switches it; "
+                'give laser_output, as "UserOutput0"'
+            )
+        if self.laser_output in self.outputs:
+            raise ValueError(
+                f"outputs set {self.laser_output}, which is the laser's; take it out of outputs"
+            )
+        return self
+
+
+class StorageSettings(_Section):
+    """The disk: how long files grow, what is kept free, and what makes way."""
+
+    rotate_s: float | None = Field(default=60.0, gt=0.0)
+    """A pass's recording goes on in a next file after so many seconds."""
+    rotate_mb: float | None = Field(default=None, gt=0.0)
+    """Any recording goes on in a next file after so many megabytes (10^6 bytes)."""
+    longest_pass_s: float = Field(default=60.0, gt=0.0)
+    """The longest pass of a sensor that runs free, s: space for it is there before it is armed."""
+    most_axles: int = Field(default=1000, ge=1)
+    """Axles of the longest train, one triggered frame each: 250 wagons of four axles."""
+    most_poses: int = Field(default=200, ge=1)
+    """Pictures of a calibration session at most, as far as space is kept for them."""
+    reserve_mb: float = Field(default=100.0, ge=0.0)
+    """Space that no frame takes, MB: the station's store must go on being written."""
+    keep_free_gb: float = Field(default=1.0, ge=0.0)
+    """Free space that no pass or session may use up, GB (10^9 bytes)."""
+    quota_gb: float | None = Field(default=None, gt=0.0)
+    """All recordings together, GB: beyond, measured ones make way, oldest first; absent: no limit.
+
+    With `quota_gb` or `keep_days` measured ones make way for `keep_free_gb` too; without either
+    nothing is ever deleted.
+    """
+    keep_days: float | None = Field(default=None, gt=0.0)
+    """Measured recordings older than so many days are deleted; absent: they stay."""
 
 
 class StationSettings(_Section):
@@ -78,6 +167,8 @@ class StationSettings(_Section):
     """Port of the page and API."""
     reference: str = "S1002"
     """Reference profile of the wheels: S1002, LMA or a file."""
+    storage: StorageSettings = Field(default_factory=StorageSettings)
+    """Files and space."""
     sensors: tuple[SensorSettings, ...] = Field(min_length=1)
     """The sensors, one or more."""
 

@@ -131,9 +131,9 @@ def _centroid_shift_px(
     view: View, target: Target, camera: CameraModel, board_mm: FloatArray
 ) -> FloatArray:
     """Return how far each disc's centroid lies off the picture of its centre, shape (N, 2)."""
-    if target.kind != "dots" or target.diameter_mm is None:
+    radius_mm = _dot_radius_mm(view, target)
+    if radius_mm is None:
         return np.zeros((len(board_mm), 2))
-    radius_mm = target.diameter_mm / 2.0
     cam_from_board = start_pose(view, target, camera)
     middle = cam_from_board.apply(board_mm)
     normal = np.tile(cam_from_board.rotation[:, 2], (len(middle), 1))
@@ -141,6 +141,15 @@ def _centroid_shift_px(
     axes = np.tile(cam_from_board.rotation[:, :2], (len(middle), 1, 1))
     by_lens = lens_shifts(centre, axes, radius_mm, camera.parameters)
     return camera.project(centre) + by_lens - camera.project(middle)
+
+
+def _dot_radius_mm(view: View, target: Target) -> float | None:
+    """Return the radius of the dots: as given, else as the picture shows it; None if neither."""
+    if target.kind != "dots":
+        return None
+    if target.diameter_mm is not None:
+        return target.diameter_mm / 2.0
+    return None if view.dot_radius is None else view.dot_radius * target.pitch_mm
 
 
 def _stripe_line(stripe: StripePoints, camera: CameraModel) -> tuple[FloatArray, BoolArray]:

@@ -9,7 +9,7 @@ from calib.seeing.resample import sampled, shrunk, smoothed, tops
 
 _LARGEST_SIDE_PX = 1100
 _KERNEL_PX = 2.0
-_MOST_CORNERS = 1200
+_MOST_CORNERS = 2400
 _RING_PX = 5.0
 _RING_POINTS = 32
 _ALIKE_ACROSS = 0.55

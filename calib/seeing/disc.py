@@ -17,7 +17,7 @@ COUNT = 13
 """The place of each parameter; see `evaluate`."""
 
 _ROOT_TWO_PI = float(np.sqrt(2.0 * np.pi))
-_NARROWEST_BLUR_PX, _WIDEST_BLUR_PX = 0.3, 8.0
+_NARROWEST_BLUR_PX, _WIDEST_BLUR_PX = 0.3, 16.0
 _BRIGHTEST, _STEEPEST = 2000.0, 60.0  # counts, counts / px
 _MOST_UNEVEN = 0.25  # change of a dot's height over a radius, of the height
 
@@ -42,7 +42,8 @@ def outlines(parameters: FloatArray, origin: FloatArray) -> Ellipses:
 
 def inward_px(parameters: FloatArray, offset_px: FloatArray) -> FloatArray:
     """Return how far points, shape (K, 2), lie inside each outline, px to first order, (N, K)."""
-    return _inward(parameters, offset_px).distance
+    place = _inward(parameters, offset_px)
+    return np.asarray(place.reach * (1.0 - place.level))
 
 
 def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -64,26 +65,34 @@ def evaluate(parameters: FloatArray, offset_px: FloatArray) -> tuple[FloatArray,
 
     Notes
     -----
-    ``ground + height * Phi(s / blur)``: s is the distance inwards from the ellipse to first
-    order, Phi the normal distribution: the edge of a half-plane seen by a Gaussian lens. The
-    derivatives by centre and form hold near the outline, where alone they are not zero.
+    ``ground + height * Phi((R - sqrt(r^2 + blur^2)) / blur)``: r and R are the distances of a
+    place and of the outline from the centre, ``R - r`` to first order that inwards from the
+    ellipse, Phi the normal distribution. A Gaussian lens gathers at r from the disc what a Rice
+    law holds below R; its mean is about the root, its deviation about the blur. A sharp disc has
+    the edge of a half-plane, drawn in by ``blur^2 / 2R`` as an outline that bends is; one with
+    ``blur = R`` is a bell to 0.1 % of its height. The derivatives by centre and form hold near
+    the outline, where alone they are not zero.
     """
     place = _inward(parameters, offset_px)
-    s, x, y = place.distance, place.x, place.y
+    x, y = place.x, place.y
     blur = parameters[:, BLUR, None]
+    # One mean radius does: by how much a flat outline bends less on one side is no matter here.
+    mean_form = 0.5 * (parameters[:, Q11, None] + parameters[:, Q22, None])
+    bent = np.sqrt(place.level * place.level + blur * blur * mean_form)
+    s, share = place.reach * (1.0 - bent), place.level / bent
     linear = np.stack([np.ones(len(offset_px), dtype=parameters.dtype), *offset_px.T])
     inside = ndtr(s / blur)
     uneven = np.concatenate([linear, (linear[1:] ** 2).sum(axis=0, keepdims=True)])
     height = parameters[:, HEIGHT:] @ uneven
     edge = height * np.exp(-0.5 * (s / blur) ** 2) / (np.float32(_ROOT_TWO_PI) * blur)
     jacobian = np.empty((len(parameters), COUNT, len(offset_px)), dtype=parameters.dtype)
-    per_length = edge / place.length
+    per_length = edge * (share / place.length)
     jacobian[:, U], jacobian[:, V] = per_length * place.qx, per_length * place.qy
     # The gradient of the level is (Q d) / level: half of what the form's entries need.
     jacobian[:, Q11] = -0.5 * per_length * x * x
     jacobian[:, Q12] = -per_length * x * y
     jacobian[:, Q22] = -0.5 * per_length * y * y
-    jacobian[:, BLUR] = -edge * s / blur
+    jacobian[:, BLUR] = -edge * (s / blur + place.reach * (blur * mean_form) / bent)
     jacobian[:, GROUND:HEIGHT] = linear
     jacobian[:, HEIGHT:] = inside[:, None, :] * uneven
     return parameters[:, GROUND:HEIGHT] @ linear + height * inside, jacobian
@@ -124,7 +133,8 @@ class _Place(NamedTuple):
     qx: FloatArray  # the form's matrix times (x, y), which points outwards
     qy: FloatArray
     length: FloatArray  # of (qx, qy)
-    distance: FloatArray  # inwards from the outline
+    level: FloatArray  # 1 on the outline, 0 in the centre
+    reach: FloatArray  # from the centre to the outline, across it, px
 
 
 def _inward(parameters: FloatArray, offset_px: FloatArray) -> _Place:
@@ -134,4 +144,4 @@ def _inward(parameters: FloatArray, offset_px: FloatArray) -> _Place:
     qx, qy = q11 * x + q12 * y, q12 * x + q22 * y
     level = np.sqrt(np.maximum(qx * x + qy * y, 1e-9))
     length = np.maximum(np.sqrt(qx * qx + qy * qy), 1e-9)
-    return _Place(x, y, qx, qy, length, (1.0 - level) * level / length)
+    return _Place(x, y, qx, qy, length, level, level / length)

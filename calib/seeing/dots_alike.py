@@ -4,9 +4,13 @@ import numpy as np
 
 from calib.arrays import BoolArray, FloatArray
 from calib.seeing import disc
+from calib.seeing.dots_soft import SOFT_FROM_PX
 from calib.seeing.patch_fit import Prior
 
 _EVENNESS = 0.05  # change of a dot's height over its radius, of the height
+_SOFT = 0.3  # blur over radius: beyond, a smaller and brighter disc with more blur looks alike
+_SOFT_EVENNESS = 0.0005  # a bell on a slope is a bell aside: one of the two has to be given up
+_BLUR_KNOWN = 0.1  # of it
 _CLIPPED_DOME = 0.0005
 _FEWEST_FOR_A_PLANE, _FEWEST_FOR_A_BOWL = 8, 20
 _LEAST_SHAPE, _LEAST_BLUR_PX, _LEAST_DOME = 0.002, 0.02, 0.01
@@ -19,6 +23,7 @@ _FORM = np.s_[:, disc.Q11 : disc.Q22 + 1]
 def even_dots(parameters: FloatArray, radius_px: FloatArray, clipped: BoolArray) -> Prior:
     """Return that a dot is about as bright on one side as on the other, and in its middle.
 
+    Of a soft dot the blur is taken for known: it cannot be told from size and height.
     What is clipped does not tell how bright it is, and a height that may rise to one side lets
     the outline move out on the other.
 
@@ -33,9 +38,14 @@ def even_dots(parameters: FloatArray, radius_px: FloatArray, clipped: BoolArray)
     """
     prior = Prior.nothing(parameters.shape)
     height = np.maximum(np.abs(parameters[:, disc.HEIGHT]), 1.0)
-    prior.precision[:, _SLOPES, _SLOPES] = ((radius_px / height / _EVENNESS) ** 2)[:, None]
-    dome = np.where(clipped, _CLIPPED_DOME, _EVENNESS)
+    blur = parameters[:, disc.BLUR]
+    soft = (blur > _SOFT * radius_px) & (blur >= SOFT_FROM_PX)
+    evenness = np.where(soft, _SOFT_EVENNESS, _EVENNESS)
+    prior.precision[:, _SLOPES, _SLOPES] = ((radius_px / height / evenness) ** 2)[:, None]
+    dome = np.where(clipped, _CLIPPED_DOME, evenness)
     prior.precision[:, disc.DOME, disc.DOME] = (radius_px**2 / height / dome) ** 2
+    prior.mean[soft, disc.BLUR] = blur[soft]
+    prior.precision[soft, disc.BLUR, disc.BLUR] = 1.0 / (_BLUR_KNOWN * blur[soft]) ** 2
     return prior
 
 

@@ -8,6 +8,12 @@ from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.seeing import disc
 from calib.seeing.coherence import in_squares
 from calib.seeing.dots_alike import alike, even_dots
+from calib.seeing.dots_soft import (
+    SOFT_FROM_PX,
+    blur_px,
+    edge_reach_px,
+    without_neighbours,
+)
 from calib.seeing.ellipse import Ellipses
 from calib.seeing.noise import PixelNoise
 from calib.seeing.patch_fit import AGAIN, ROUGHLY, PatchFit, Prior, fit_patches
@@ -20,6 +26,7 @@ _EDGE_REACH_PX = 4.5
 _START_BLUR_PX = 1.5
 _LARGEST_SIGMA = 0.15  # of the radius: beyond, it is not sure that this is a dot
 _CLIPPED_INSIDE = 0.1
+_UNMIXING_ROUNDS = 2
 _STRIPE_FOOT = 0.04  # of a dot's height: what of a stripe does not disturb its edge
 
 
@@ -42,6 +49,8 @@ class DotCentres:
         Shape (N,), share of the edge under a stripe, share of the pixels at the sensor's limit.
     trusted
         Shape (N,), the fit found a disc of the size looked for, where it was looked for.
+    parameters, origin
+        Shapes (N, disc.COUNT) and (N, 2): the discs themselves.
     """
 
     centre_px: FloatArray
@@ -54,6 +63,8 @@ class DotCentres:
     hidden: FloatArray
     clipped: FloatArray
     trusted: BoolArray
+    parameters: FloatArray
+    origin: IntArray
 
     def __len__(self) -> int:
         return len(self.centre_px)
@@ -102,13 +113,19 @@ def measure_dots(
        image deviation", Optics Express 27(4), 2019, section 2.1.1.
     """
     origin = np.rint(outlines.centre_px).astype(np.int64)
-    first = disc.start(outlines, origin.astype(np.float64), _START_BLUR_PX)
-    offset, ring = _ring(first, outlines)
+    softness = blur_px(picture, outlines)
+    soft = softness >= SOFT_FROM_PX
+    blur = softness if soft else _START_BLUR_PX
+    reach_px = max(_EDGE_REACH_PX, edge_reach_px(outlines, blur)) if soft else _EDGE_REACH_PX
+    first = disc.start(outlines, origin.astype(np.float64), blur)
+    offset, ring = _ring(first, outlines, reach_px)
     patches = Patches.cut(picture, box_smoothed(picture), noise, origin, offset, ring)
     _set_brightness(first, patches, offset)
     place, foot = patches.places_px(), _STRIPE_FOOT * np.abs(first[:, disc.HEIGHT])
     band = lit_by(lines, place, foot)
     sign = -1.0 if dark else 1.0
+    if soft:
+        patches = _unmixed(patches, band, first, outlines.radius_px)
     fit, prior = _fit_twice(patches.without(band), first, outlines.radius_px, sign)
     seen = patches.without(lit_by(lines, place, foot, LARGEST_SCALE_PX))
     spread = spread_over_scales(picture, seen, fit, disc.evaluate, disc.BLUR, prior)
@@ -128,16 +145,18 @@ def measure_dots(
         hidden=(edge & band).sum(axis=1) / np.maximum(edge.sum(axis=1), 1),
         clipped=(patches.clipped & ring).sum(axis=1) / np.maximum(ring.sum(axis=1), 1),
         trusted=_trusted(fit, first, sign, sigma),
+        parameters=parameters,
+        origin=origin,
     )
 
 
-def _ring(first: FloatArray, outlines: Ellipses) -> tuple[IntArray, BoolArray]:
+def _ring(first: FloatArray, outlines: Ellipses, reach_px: float) -> tuple[IntArray, BoolArray]:
     """Return the offsets of pixels near any outline, and which are near which."""
-    reach = int(np.ceil(float(outlines.axes_px.max()) + _EDGE_REACH_PX))
+    reach = int(np.ceil(float(outlines.axes_px.max()) + reach_px))
     side = np.arange(-reach, reach + 1)
     offset = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
     offset = in_squares(offset)
-    ring = np.abs(disc.inward_px(first, offset.astype(np.float64))) <= _EDGE_REACH_PX
+    ring = np.abs(disc.inward_px(first, offset.astype(np.float64))) <= reach_px
     used = ring.any(axis=0)
     return offset[used], ring[:, used]
 
@@ -149,6 +168,17 @@ def _set_brightness(first: FloatArray, patches: Patches, offset: IntArray) -> No
     for column, side in ((disc.GROUND, inward < -2.0), (disc.HEIGHT, inward > 2.0)):
         first[:, column] = masked_median(patches.samples, used & side)
     first[:, disc.HEIGHT] -= first[:, disc.GROUND]
+
+
+def _unmixed(patches: Patches, band: BoolArray, first: FloatArray, radius: FloatArray) -> Patches:
+    """Return windows without the light that soft dots throw into each other's."""
+    alone, start = patches, first
+    even = even_dots(first, radius, np.zeros(len(first), dtype=bool))
+    for _ in range(_UNMIXING_ROUNDS):
+        fit = fit_patches(alone.without(band), start, disc.evaluate, disc.sound, even, ROUGHLY)
+        start = fit.parameters
+        alone = without_neighbours(patches, start)
+    return alone
 
 
 def _fit_twice(

@@ -28,6 +28,8 @@ class SeenTarget:
         Shape (3, 3), the homography from (row, col) to the picture; good to a pixel or so.
     outlines
         The N dots' outlines; None for a chessboard.
+    light_over_outline
+        Radius of the disc that perspective shifts as a dot, over that of its outline.
     """
 
     place: IntArray
@@ -36,13 +38,17 @@ class SeenTarget:
     cause: tuple[Cause, ...]
     picture_from_board: FloatArray
     outlines: Ellipses | None
+    light_over_outline: float = 1.0
 
     def __len__(self) -> int:
         return len(self.place)
 
     @property
     def dot_radius(self) -> float | None:
-        """Radius of the dots, in pitches, by the areas of their outlines; None for a chessboard."""
+        """Radius of the dots, in pitches, by the areas of their outlines; None for a chessboard.
+
+        Of bells of light it is that of the disc that perspective shifts as much.
+        """
         if self.outlines is None:
             return None
         here = self.place.astype(np.float64)
@@ -52,7 +58,8 @@ class SeenTarget:
             for step in np.eye(2)
         )
         cell_px2 = np.abs(down[:, 0] * right[:, 1] - down[:, 1] * right[:, 0])
-        return float(np.median(self.outlines.radius_px / np.sqrt(cell_px2)))
+        outline = np.median(self.outlines.radius_px / np.sqrt(cell_px2))
+        return self.light_over_outline * float(outline)
 
     def area(self, target: Target) -> BoardArea:
         """Return where the target is in the picture."""

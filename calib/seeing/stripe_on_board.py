@@ -20,6 +20,8 @@ _FAR_PITCHES = 4.0
 _SHORTEST_PITCHES = 1.5
 _CLEAR_OF_MARKS = 4.0  # widths of a stripe from a mark: farther, its light hardly pulls
 _OFF_MARKS = 2.0  # nearer there is no ridge of the stripe's own
+_LEFT_OF_CLEARED = 0.1  # of the contrast of dots taken off
+_LASER_LEFT = 0.2  # of the stripe's: what a dot returns of it is known the least
 _PULL = float(np.sqrt(2.0 / np.pi))
 _MARKS_AND_GROUND = (5.0, 95.0)  # percentiles of the board's brightness
 _INDEPENDENT = 3.5  # kernels between two points whose errors are independent
@@ -41,12 +43,20 @@ class BoardArea:
         Shape (2,), the outermost nodes.
     dots
         Outlines of the dots; None for a chessboard.
+    cleared
+        The dots are taken off the picture: what is left of them draws a stripe little.
     """
 
     picture_from_node: FloatArray
     low: IntArray
     high: IntArray
     dots: Ellipses | None
+    cleared: bool = False
+
+    @property
+    def off_marks_widths(self) -> float:
+        """How many of its widths from a mark a stripe's point has to be."""
+        return 0.0 if self.cleared else _OFF_MARKS
 
     @property
     def pitch_px(self) -> float:
@@ -127,11 +137,12 @@ def _stripes_within(
 ) -> BoardStripes:
     region = area.region(picture.shape, margin_pitches)
     points = locate_stripe(picture, region=region, noise=noise)
-    usable = area.clearance_px(points.centre_px) >= _OFF_MARKS * points.width_px
+    usable = area.clearance_px(points.centre_px) >= area.off_marks_widths * points.width_px
     lines = find_lines(points, usable, _SHORTEST_PITCHES * area.pitch_px)
     every = np.s_[::4, ::4]  # a sample is enough
     board = picture[every][area.region(picture.shape, 0.5)[every]]
     contrast = np.ptp(np.percentile(board, _MARKS_AND_GROUND)) if board.size else 0.0
+    contrast *= _LEFT_OF_CLEARED if area.cleared else 1.0
     return BoardStripes(points, lines, margin_pitches > _NEAR_PITCHES, float(contrast))
 
 
@@ -160,15 +171,15 @@ def stripes_of_board(found: BoardStripes, area: BoardArea) -> list[StripePoints]
 def _stripe_on(line: StripeLine, found: BoardStripes, area: BoardArea) -> StripePoints | None:
     points = found.points.select(line.member)
     clearance = area.clearance_px(points.centre_px) / points.width_px
-    points = points.select(clearance >= _OFF_MARKS)
-    clearance = clearance[clearance >= _OFF_MARKS]
+    off_marks = clearance >= area.off_marks_widths
+    points, clearance = points.select(off_marks), clearance[off_marks]
     pull = _pull_px(points, area, found.contrast)
     chosen = _independent(points, line, pull)
     points = replace(points, sigma_px=np.hypot(points.sigma_px, pull))
     points, clearance = points.select(chosen), clearance[chosen]
     if len(points) < _FEWEST_POINTS:
         return None
-    crossed = np.count_nonzero(clearance >= _CLEAR_OF_MARKS) < _FEWEST_POINTS
+    crossed = not area.cleared and np.count_nonzero(clearance >= _CLEAR_OF_MARKS) < _FEWEST_POINTS
     doubt = Cause.CROSSED if crossed else Cause.OFF_BOARD if found.off_board else None
     return _with_true_sigma(points, line, doubt)
 
@@ -189,7 +200,7 @@ def _pull_px(points: StripePoints, area: BoardArea, contrast: float) -> FloatArr
     after, before = (area.clearance_px(points.centre_px + side * normal) for side in (1.0, -1.0))
     with np.errstate(invalid="ignore"):  # far from every mark a clearance may be infinite
         aside = np.nan_to_num(np.minimum(0.5 * np.abs(after - before), 1.0))
-    share = contrast / np.maximum(points.peak, 1.0)
+    share = contrast / np.maximum(points.peak, 1.0) + (_LASER_LEFT if area.cleared else 0.0)
     fading = np.exp(-np.square(0.5 * clearance / width))
     return np.asarray(_PULL * width * share * aside * fading)
 

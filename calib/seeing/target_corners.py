@@ -14,7 +14,7 @@ from calib.seeing.numbering import inside_target, number
 from calib.seeing.seen import SeenTarget
 from calib.seeing.squares import without_black
 from calib.seeing.stripe_lines import StripeLine
-from calib.seeing.stripe_on_board import BoardArea
+from calib.seeing.stripe_on_board import BoardArea, BoardStripes
 from calib.target import Target
 
 
@@ -46,6 +46,12 @@ class CornerPattern:
     def without_marks(self, picture: Picture) -> Picture:
         """Return the picture with the black squares as bright as the white ones."""
         return without_black(picture, self.lattice, self.place_px)
+
+    def cleared(
+        self, picture: Picture, noise: PixelNoise, target: Target, stripes: BoardStripes
+    ) -> Picture | None:
+        """Return None: the squares are out of the stripe's way from the start."""
+        return None
 
     def area(self, target: Target) -> BoardArea:
         """Return where the target may be in the picture."""

@@ -8,13 +8,14 @@ from calib.arrays import BoolArray, IntArray, Picture
 from calib.seeing.agreement import agreeing
 from calib.seeing.dots_centre import DotCentres, measure_dots
 from calib.seeing.dots_find import find_dots
+from calib.seeing.dots_soft import SOFT_FROM_PX, blur_px, light_over_outline, without_dots
 from calib.seeing.ellipse import Ellipses
 from calib.seeing.lattice import Lattice, find_lattice
 from calib.seeing.noise import PixelNoise
 from calib.seeing.numbering import inside_target, number
 from calib.seeing.seen import SeenTarget
 from calib.seeing.stripe_lines import StripeLine
-from calib.seeing.stripe_on_board import BoardArea
+from calib.seeing.stripe_on_board import BoardArea, BoardStripes
 from calib.target import Target
 from calib.views import Cause
 
@@ -23,6 +24,7 @@ _CROSSED_FROM = 0.02
 _CLIPPED_FROM = 0.03
 _FAINTEST = 0.25  # of the median height
 _SIZE_RATIO = 1.3
+_WIDTHS_IN_GAP = 6.0
 _GLARE_SLOPE = 0.3
 _GLARE_GROUND = 0.5
 
@@ -53,8 +55,29 @@ class DotPattern:
         return None if lattice is None else cls(lattice, dots.picked(lattice.index))
 
     def without_marks(self, picture: Picture) -> Picture:
-        """Return the picture as it is: dots leave enough of the stripe clear."""
+        """Return the picture as it is: sharp dots leave enough of a narrow stripe clear."""
         return picture
+
+    def cleared(
+        self, picture: Picture, noise: PixelNoise, target: Target, stripes: BoardStripes
+    ) -> Picture | None:
+        """Return the picture without the dots; None where they are out of the stripe's way.
+
+        They are in its way where a stripe is as wide as the gaps, so that no line is found or
+        one that is never clear of them, and where dots are so soft that their light is all over
+        the board.
+        """
+        gap_px = self.area(target).pitch_px - 2.0 * float(np.median(self.outlines.radius_px))
+        lines = stripes.lines
+        narrow = bool(lines) and lines[0].width_px * _WIDTHS_IN_GAP <= gap_px
+        if narrow and blur_px(picture, self.outlines) < SOFT_FROM_PX:
+            return None
+        # What a wide stripe adds is a slope to a dot's edge; masked, no edge would be left.
+        dots = measure_dots(
+            picture, noise, self.outlines, lines if narrow else [], dark=target.dark
+        )
+        good = dots.trusted
+        return without_dots(picture, dots.parameters[good], dots.origin[good])
 
     def area(self, target: Target) -> BoardArea:
         """Return where the target may be in the picture."""
@@ -102,6 +125,7 @@ class DotPattern:
             _causes(dots, index),
             homography,
             dots.outlines.picked(index),
+            light_over_outline(dots.parameters[index]),
         )
 
 

@@ -44,6 +44,11 @@ class RecordingModel(_Out):
     recovered: bool
     """A crash had cut it short, and it was made whole."""
     summary: str | None
+    files: int | None
+    """Files it is in: a long recording goes on in a next one."""
+    deleted_at: datetime | None
+    """When its files made way for others; what was measured from them stays."""
+    deleted_why: str | None
 
     @classmethod
     def of(cls, row: Recording) -> Self:

@@ -7,6 +7,7 @@ from prometheus_client import CollectorRegistry, Counter, Histogram, generate_la
 from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
+from station.api.capture_metrics import CaptureCollector
 from station.operations import Station
 from station.store import Job, Pass, counts_by_state, frame_totals
 
@@ -26,9 +27,18 @@ class _StoreCollector(Collector):
             frames = frame_totals(session)
         yield _by_label("station_passes", "Passes by state.", "state", passes)
         yield _by_label("station_jobs", "Jobs by state.", "state", jobs)
-        yield _by_label("station_frames", "Frames of all recordings by fate.", "fate", frames)
+        yield _frames(frames)
         free = shutil.disk_usage(self._station.layout.root).free
         yield GaugeMetricFamily("station_disk_free_bytes", "Space left for data.", value=free)
+
+
+def _frames(counts: dict[tuple[str, str], int]) -> GaugeMetricFamily:
+    family = GaugeMetricFamily(
+        "station_frames", "Frames of all recordings by fate.", labels=["sensor", "fate"]
+    )
+    for labels, count in counts.items():
+        family.add_metric(labels, count)
+    return family
 
 
 def _by_label(name: str, text: str, label: str, values: dict[str, int]) -> GaugeMetricFamily:
@@ -44,6 +54,7 @@ class Metrics:
     def __init__(self, station: Station) -> None:
         self._registry = CollectorRegistry()
         self._registry.register(_StoreCollector(station))
+        self._registry.register(CaptureCollector(station))
         self._answered = Counter(
             "station_http_requests",
             "Requests answered.",

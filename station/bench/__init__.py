@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from station.bench.calibration import bench_solvers, bench_solving
-from station.bench.capture import bench_capture
+from station.bench.capture import CAPTURE_PARTS, capture_benches
 from station.bench.deviations import bench_deviations
 from station.bench.lights import bench_lights
 from station.bench.paper import bench_paper
@@ -14,7 +14,7 @@ from station.progress import Progress
 from station.tables import Table
 
 BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
-    "capture": (bench_capture,),
+    "capture": capture_benches(),
     "lights": (bench_lights,),
     "paper": (bench_paper,),
     "deviations": (bench_deviations,),
@@ -25,7 +25,7 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
 
 __all__ = [
     "BENCHES",
-    "bench_capture",
+    "CAPTURE_PARTS",
     "bench_deviations",
     "bench_lights",
     "bench_paper",
@@ -35,4 +35,5 @@ __all__ = [
     "bench_stripe",
     "bench_stripe_sigma",
     "bench_sweeps",
+    "capture_benches",
 ]

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.capture.client import CaptureClient, start_capture
-from station.capture.plan import CaptureReport, RecordingPlan, Trigger
+from station.capture.plan import CaptureReport, ExposureStep, RecordingPlan, Trigger
 from station.capture.status import CaptureState, CaptureStatus
 
 if TYPE_CHECKING:  # pydantic would make a new recorder late by a quarter of a second
@@ -15,6 +15,7 @@ __all__ = [
     "CaptureReport",
     "CaptureState",
     "CaptureStatus",
+    "ExposureStep",
     "RecordingPlan",
     "Trigger",
     "run_capture",

@@ -2,10 +2,10 @@
 
 import contextlib
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 from station.capture.accounting import FrameAccount
-from station.capture.clock import CameraClock
+from station.capture.clock import CameraClock, ClockSample
 from station.capture.link import Entry, FrameEntry, Outcome, RecorderDied, RecorderLink
 from station.capture.stream import FrameStream, ReceivedFrame
 from station.errors import DiskFull, RecordingError, StationError
@@ -27,9 +27,17 @@ class Intake:
         The ring's slots, all free.
     limit
         Frames beyond so many are surplus: not recorded, not accounted.
+    exposure_of
+        How a frame was taken, by its id, where that is to be recorded with it.
     """
 
-    def __init__(self, link: RecorderLink, slots: Iterable[int], limit: int | None) -> None:
+    def __init__(
+        self,
+        link: RecorderLink,
+        slots: Iterable[int],
+        limit: int | None,
+        exposure_of: Callable[[int], Mapping[str, float] | None] = lambda _: None,
+    ) -> None:
         self.account = FrameAccount(time.time_ns, self.note)
         self.events: list[Event] = []
         self.resent_packets = 0
@@ -44,9 +52,11 @@ class Intake:
         """How packets are received."""
         self._link = link
         self._limit = limit
+        self._exposure_of = exposure_of
         self._free = set(slots)
         self._stream: FrameStream | None = None
-        self._clock = CameraClock(0)
+        self.clock = CameraClock(0)
+        """The clock of the camera attached."""
         self._underruns = 0
         self._underruns_asked_s = 0.0
         self._restarts = 0
@@ -68,7 +78,7 @@ class Intake:
 
     def attach(self, stream: FrameStream, clock: CameraClock) -> None:
         """Take frames from a stream that all free slots were lent to."""
-        self._stream, self._clock = stream, clock
+        self._stream, self.clock = stream, clock
         self.receiving = {
             "receive_method": stream.method,
             "receive_buffer_bytes": str(stream.buffer_bytes),
@@ -119,7 +129,7 @@ class Intake:
         if not wanted or frame.frame_id is None:
             self._give_back(frame.slot)
             return
-        utc_ns = self._clock.utc_ns(frame.camera_ns, frame.received_ns)
+        utc_ns = self.clock.utc_ns(frame.camera_ns, frame.received_ns)
         self._put(
             FrameEntry(
                 slot=frame.slot,
@@ -130,6 +140,23 @@ class Intake:
                 height=frame.height,
             )
         )
+        values = self._exposure_of(frame.frame_id)
+        if values is not None:
+            # Behind its frame, never before: a recording may go on in a next file between them.
+            self._put(Event(EventKind.EXPOSED, frame.received_ns, "", frame.frame_id, 1, values))
+
+    def learn_time(self, sample: ClockSample) -> None:
+        """Take what the camera's clock showed; a clock that was set anew is said."""
+        jumps = self.clock.jumps
+        self.clock.learn(sample)
+        if self.clock.jumps > jumps:
+            detail = f"the camera's clock is now {-sample.offset_ns / 1e9:.6f} s ahead of UTC"
+            self.note(Event(EventKind.CLOCK_SET, time.time_ns(), detail))
+
+    def packets_resent(self) -> int:
+        """Return how many packets came on request so far."""
+        now = 0 if self._stream is None else self._stream.resent_packets
+        return self.resent_packets + now
 
     def _put(self, entry: Entry) -> None:
         if self.failure is not None:

@@ -1,16 +1,29 @@
 """Keeping a camera open: found lost, dropped, opened again."""
 
 import time
+from dataclasses import dataclass
 
 from station.capture.camera import Camera
 from station.capture.link import RecorderLink
 from station.capture.ring import Ring
 from station.errors import CameraError, CameraRefused
+from station.recording import EventKind
 from station.settings import SensorSettings
 
 _CHECK_INTERVAL_S = 1.0
+_SILENT_CHECK_INTERVAL_S = 0.3
+"""With 0.6 s until a silent camera is believed to be so, it is found lost within a second."""
+_SENDING_S = 0.25
 _RETRY_INTERVAL_S = 1.0
 _FIRST_TRY_S = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class Trouble:
+    """Why a camera that was open cannot be used."""
+
+    kind: EventKind
+    problem: str
 
 
 class CameraKeeper:
@@ -27,6 +40,7 @@ class CameraKeeper:
         self._link: RecorderLink | None = None
         # Whoever starts the process for one recording arms it at once, and that opens the camera.
         self._next_s = time.monotonic() + _FIRST_TRY_S
+        self._checked_s = 0.0
 
     def ensure_open(self) -> tuple[Camera, Ring, RecorderLink]:
         """Return the camera with what belongs to it, opening it where it is not.
@@ -49,18 +63,44 @@ class CameraKeeper:
         ring, link = self._ring_for(self.camera)
         return self.camera, ring, link
 
-    def found_lost(self, heard_s: float) -> bool:
-        """Whether the camera, last heard of at `heard_s`, has been lost since; asks now and then.
-
-        A camera that sends frames is there.  One that does not is asked, which takes a
-        millisecond where it answers.
-        """
-        now = time.monotonic()
-        if self.camera is None or now < self._next_s:
+    def is_check_due(self, heard_s: float) -> bool:
+        """Whether to look after the camera, from which the last frame came at `heard_s`."""
+        if self.camera is None:
             return False
-        self._next_s = now + _CHECK_INTERVAL_S
-        sending = now - heard_s < _CHECK_INTERVAL_S
-        return not (self.camera.in_control() if sending else self.camera.answers())
+        now = time.monotonic()
+        sending = now - heard_s < _SENDING_S
+        interval_s = _CHECK_INTERVAL_S if sending else _SILENT_CHECK_INTERVAL_S
+        return now >= self._checked_s + interval_s
+
+    def trouble(self, silent_s: float, silence_allowed_s: float) -> Trouble | None:
+        """Ask the camera, which takes a millisecond where it answers; return what is wrong.
+
+        Parameters
+        ----------
+        silent_s
+            Time since its last frame.
+        silence_allowed_s
+            How long a camera that is well may send nothing.
+        """
+        if self.camera is None:
+            return None
+        self._checked_s = time.monotonic()
+        address = self._settings.address
+        # First whether it is there: an order to a silent camera takes 2.5 s.
+        if not self.camera.answers():
+            return Trouble(
+                EventKind.CAMERA_LOST, "the camera stopped answering; check its power and cable"
+            )
+        if not self.camera.obeys():
+            return Trouble(
+                EventKind.CAMERA_TAKEN,
+                f"another program took control of camera {address}; end that program",
+            )
+        if silent_s > silence_allowed_s:
+            return Trouble(
+                EventKind.CAMERA_LOST, "the camera answers but sends no frames; it is opened again"
+            )
+        return None
 
     def is_due(self) -> bool:
         """Whether to try again to open the camera."""
@@ -70,6 +110,8 @@ class CameraKeeper:
         """Let go of a camera that is lost."""
         if self.camera is not None:
             self.camera.close(lost=True)
+            # Those who ask for the state hear of it before the next try makes them wait.
+            self._next_s = time.monotonic() + _FIRST_TRY_S
         self.camera, self.problem = None, problem
 
     def close(self) -> None:

@@ -6,8 +6,9 @@ import subprocess
 import sys
 from collections import deque
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 from station import errors
@@ -68,6 +69,7 @@ class RecorderLink:
         self._pending: deque[Entry] = deque()
         self._confirmed = 0
         self._opening: dict[str, Any] = {}
+        self._paths: tuple[Path, ...] = ()
         self._start()
 
     @property
@@ -85,6 +87,11 @@ class RecorderLink:
         """Whether a recording is open."""
         return bool(self._opening)
 
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The files of the recording; those after the first are known once it is finished."""
+        return self._paths
+
     def open(self, plan: RecordingPlan, metadata: Mapping[str, Mapping[str, str]]) -> None:
         """Begin a recording; raises what the recorder says of its path."""
         self._pending.clear()
@@ -95,7 +102,10 @@ class RecorderLink:
             "sensor": plan.sensor,
             "metadata": {name: dict(values) for name, values in metadata.items()},
             "attachments": {name: content.hex() for name, content in plan.attachments.items()},
+            "rotation": asdict(plan.rotation),
+            "reserve_bytes": plan.reserve_bytes,
         }
+        self._paths = (plan.path,)
         if self._process.poll() is not None:  # it died while there was nothing to do
             self._close()
             self._start()
@@ -154,6 +164,7 @@ class RecorderLink:
         """Finish the recording, all entries being answered; return how many frames it holds."""
         answer = self._ask({"do": "finish", "accounting": dict(accounting)}, _FINISH_TIMEOUT_S)
         self._opening = {}
+        self._paths = tuple(Path(path) for path in answer["paths"])
         return int(answer["finished"])
 
     def kill(self) -> None:

@@ -18,7 +18,7 @@ import os
 import socket
 import stat
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from station.capture.aravis import Aravis
@@ -47,16 +47,39 @@ class OpenStream:
     method: str
     """`socket` or `packet socket`."""
     buffer_bytes: int
-    """What the kernel granted."""
+    """What the kernel granted; 0 where it is not a socket's."""
+    warning: str | None = None
+    """What to tell where the room is too small for a receiver that is held up."""
 
 
 def open_stream(camera: Any) -> OpenStream | None:
     """Open the stream of an Aravis camera; None where it gives none.  May raise GLib.Error."""
+    if not camera.is_gv_device():
+        stream = camera.create_stream(None, None)
+        return None if stream is None else OpenStream(stream, "memory", 0)
     opened = _open_plain(camera)
     if opened is None or opened.buffer_bytes >= _ENOUGH_BYTES:
         return opened
+    if not _may_open_packet_socket():
+        return replace(opened, warning=_too_small(opened.buffer_bytes))
     del opened  # one stream at a time
     return _open_packet_socket(camera)
+
+
+def _may_open_packet_socket() -> bool:
+    try:
+        socket.socket(socket.AF_PACKET, socket.SOCK_RAW).close()
+    except PermissionError:
+        return False
+    return True
+
+
+def _too_small(buffer_bytes: int) -> str:
+    return (
+        f"the system lets {buffer_bytes / 1e6:.2f} MB of packets wait and "
+        f"{_ENOUGH_BYTES / 1e6:.0f} MB are wanted: frames will be lost when this host is busy; "
+        f"sysctl -w net.core.rmem_max={_ENOUGH_BYTES}"
+    )
 
 
 def _open_plain(camera: Any) -> OpenStream | None:

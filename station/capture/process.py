@@ -4,13 +4,15 @@ One thread does everything: it asks the driver for frames, the recorder for answ
 for orders, none of them for long.  Nothing has to be locked, and nothing holds up the frames.
 """
 
+import math
 import os
 import signal
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from station.capture.camera import Camera
 from station.capture.control import Caller, ControlServer
 from station.capture.keeper import CameraKeeper
 from station.capture.plan import CaptureReport, RecordingPlan, Trigger
@@ -21,6 +23,7 @@ from station.settings import SensorSettings
 
 _IDLE_WAIT_S = 0.1
 _TRIGGER_TIMEOUT_S = 2.0
+_COUNTED = ("recorded", "lost", "refused", "repeated", "resent_packets")
 _REFUSABLE = (KeyError, TypeError, ValueError)
 """What an order that is not well formed raises."""
 
@@ -64,6 +67,8 @@ class CaptureProcess:
         self._report: CaptureReport | None = None
         self._finishing: _Finishing | None = None
         self._triggering: _Triggering | None = None
+        self._blank = CaptureStatus(CaptureState.IDLE, settings.id)
+        self._totals = dict.fromkeys(_COUNTED, 0)
         self._parent = os.getppid()
         self._ending = False
 
@@ -139,16 +144,25 @@ class CaptureProcess:
         return {}
 
     def _status(self) -> CaptureStatus:
-        base = CaptureStatus(
-            self.state, self._sensor, self._keeper.problem, self._keeper.description
-        )
+        keeper = self._keeper
+        base = CaptureStatus(self.state, self._sensor, keeper.problem, keeper.description)
+        if keeper.camera is not None:
+            warnings = tuple(text for _, text in keeper.camera.warnings)
+            base = replace(base, warnings=warnings)
         if self._session is None:
-            return base
-        return self._session.status(base)
+            return replace(base, totals=self._totals)
+        status = self._session.status(base)
+        return replace(status, totals=_added(self._totals, status))
+
+    def _drop_session(self) -> None:
+        """Let go of a recording that is closed; what it counted stays in the totals."""
+        if self._session is not None:
+            self._totals = _added(self._totals, self._session.status(self._blank))
+        self._session = self._report = None
 
     def _arm(self, plan: RecordingPlan) -> None:
         camera, ring, link = self._keeper.ensure_open()
-        self._session = self._report = None
+        self._drop_session()
         self._session = CaptureSession(plan, camera, ring, link)
 
     def _trigger(self, caller: Caller) -> None:
@@ -157,14 +171,16 @@ class CaptureProcess:
             raise StateConflict("the recording's trigger is not `software`", state=str(self.state))
         if self._triggering is not None:
             raise StateConflict("a trigger is under way; wait for its frame", state=str(self.state))
+        session.sequencer.begin()
+        self._fire(session, camera, caller)
+
+    def _fire(self, session: CaptureSession, camera: Camera, caller: Caller) -> None:
+        """Take the next frame of the group; `_answer_trigger` goes on when it has come."""
         account = session.intake.account
-        deadline_s = time.monotonic() + _TRIGGER_TIMEOUT_S
-        self._triggering = _Triggering(caller, deadline_s, account.recorded, account.refused)
-        try:
-            session.trigger(camera)
-        except StationError:
-            self._triggering = None
-            raise
+        recorded, refused = account.recorded, account.refused
+        session.sequencer.fire(camera)
+        deadline_s = time.monotonic() + _TRIGGER_TIMEOUT_S + camera.exposure_us * 1e-6
+        self._triggering = _Triggering(caller, deadline_s, recorded, refused)
 
     def _finish(
         self, caller: Caller, expected: int | None, timeout_s: float
@@ -183,7 +199,9 @@ class CaptureProcess:
         if waiting is None:
             return
         if intake.account.recorded > waiting.recorded:
-            answer: dict[str, Any] = {"frame_id": intake.last_recorded_id}
+            answer = self._next_of_group(session, waiting.caller)
+            if answer is None:
+                return
         elif intake.failure is not None:
             answer = _refusal(intake.failure)
         elif intake.account.refused > waiting.refused:
@@ -194,6 +212,19 @@ class CaptureProcess:
             return
         self._triggering = None
         waiting.caller.answer(answer)
+
+    def _next_of_group(self, session: CaptureSession, caller: Caller) -> dict[str, Any] | None:
+        """Go on with the group; return the answer where it is complete, or cannot be."""
+        camera = self._keeper.camera
+        if not session.sequencer.more:
+            return {"frame_id": session.intake.last_recorded_id}
+        if camera is None:
+            return _refusal(CameraError("the camera was lost within a sequence; trigger again"))
+        try:
+            self._fire(session, camera, caller)
+        except StationError as error:
+            return _refusal(error)
+        return None
 
     def _answer_finish(self, session: CaptureSession) -> None:
         waiting = self._finishing
@@ -212,7 +243,7 @@ class CaptureProcess:
             self._report = session.finish(self._keeper.camera, expected)
 
     def _handed_over(self, report: CaptureReport) -> dict[str, Any]:
-        self._session = self._report = None
+        self._drop_session()
         return {"report": report.to_json()}
 
     # -- the camera -----------------------------------------------------------------------------
@@ -221,11 +252,8 @@ class CaptureProcess:
         """Notice that the camera is lost; open it again."""
         session = self._session if self._report is None else None
         heard_s = 0.0 if session is None else session.intake.heard_s
-        if self._keeper.found_lost(heard_s):
-            problem = "the camera stopped answering; check its power and cable"
-            if session is not None:
-                session.camera_lost(problem)
-            self._keeper.drop(problem)
+        if self._keeper.is_check_due(heard_s):
+            self._check_camera(session)
         elif self._keeper.is_due():
             try:
                 camera, *_ = self._keeper.ensure_open()
@@ -233,6 +261,23 @@ class CaptureProcess:
                     session.camera_back(camera)
             except CameraError as error:
                 self._keeper.drop(str(error))
+
+    def _check_camera(self, session: CaptureSession | None) -> None:
+        silent_s, allowed_s = 0.0, math.inf
+        if session is not None:
+            silent_s = time.monotonic() - session.intake.heard_s
+            allowed_s = session.silence_allowed_s
+        trouble = self._keeper.trouble(silent_s, allowed_s)
+        if trouble is not None:
+            if session is not None:
+                session.camera_lost(trouble.kind, trouble.problem)
+            self._keeper.drop(trouble.problem)
+        elif session is not None and self._keeper.camera is not None:
+            session.ask_clock(self._keeper.camera)
+
+
+def _added(totals: dict[str, int], status: CaptureStatus) -> dict[str, int]:
+    return {name: totals[name] + getattr(status, name) for name in _COUNTED}
 
 
 def _refusal(error: StationError) -> dict[str, Any]:

@@ -9,13 +9,17 @@ import json
 import signal
 import sys
 import time
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from station.capture.ring import Ring
 from station.errors import RecordingError, StationError
-from station.recording import Event, EventKind, RecordingWriter
+from station.recording import Event, EventKind, RotatingWriter, Rotation
+
+if TYPE_CHECKING:  # importing `calib` would make a new recorder late by half a second
+    from calib import CameraModel
 
 CALIBRATION = "calibration.json"
 
@@ -26,8 +30,7 @@ class Recorder:
     def __init__(self, link: Connection, ring: Ring) -> None:
         self._link = link
         self._ring = ring
-        self._writer: RecordingWriter | None = None
-        self._sensor = ""
+        self._writer: RotatingWriter | None = None
         self._failure: StationError | None = None
 
     def run(self) -> None:
@@ -52,7 +55,6 @@ class Recorder:
                 return {"opened": self._open(order)}
             case "frame":
                 self._ready().write_frame(
-                    self._sensor,
                     order["frame_id"],
                     order["camera_time_ns"],
                     order["host_time_ns"],
@@ -62,10 +64,10 @@ class Recorder:
                 )
                 return {"written": True}
             case "event":
-                self._ready().write_event(self._sensor, Event.from_json(order["event"]))
+                self._ready().write_event(Event.from_json(order["event"]))
                 return {"written": True}
             case "finish":
-                return {"finished": self._finish(order["accounting"])}
+                return self._finish(order["accounting"])
             case "discard":
                 if self._writer is not None:
                     self._writer.discard()
@@ -74,7 +76,7 @@ class Recorder:
             case other:
                 raise RecordingError(f"the recorder does not know the order {other!r}")
 
-    def _ready(self) -> RecordingWriter:
+    def _ready(self) -> RotatingWriter:
         if self._failure is not None:
             raise self._failure
         if self._writer is None:
@@ -83,33 +85,28 @@ class Recorder:
 
     def _open(self, order: dict[str, Any]) -> int:
         """Begin a recording, or go on with one; return how many entries it holds."""
-        self._failure, self._writer, self._sensor = None, None, order["sensor"]
+        self._failure = self._writer = None
         attachments = {name: bytes.fromhex(text) for name, text in order["attachments"].items()}
-        self._writer = RecordingWriter(
+        document = attachments.get(CALIBRATION)
+        self._writer = RotatingWriter(
             Path(order["path"]),
+            order["sensor"],
+            rotation=Rotation(**order["rotation"]),
             metadata=order["metadata"],
             attachments=attachments,
+            camera=None if document is None else partial(_camera_in, document),
+            reserve_bytes=order["reserve_bytes"],
             resume=order["resume"],
         )
-        if CALIBRATION in attachments and not order["resume"]:
-            self._write_calibration(attachments[CALIBRATION])
-        return self._writer.frames_written(self._sensor) + self._writer.events_written(self._sensor)
+        return self._writer.entries_found
 
-    def _write_calibration(self, document: bytes) -> None:
-        from station.documents import CalibrationDocument  # noqa: PLC0415  costs 0.2 s, seldom used
-
-        camera = CalibrationDocument.model_validate_json(document).camera.model()
-        self._ready().write_calibration(self._sensor, camera)
-
-    def _finish(self, accounting: dict[str, str]) -> int:
-        """Finish the recording, unless a full disk has; return how many frames it holds."""
+    def _finish(self, accounting: dict[str, str]) -> dict[str, Any]:
+        """Finish the recording, unless a full disk has; return what it holds, and where."""
         if self._writer is None:
             raise RecordingError("no recording is open; open one first")
-        if self._failure is None:
-            self._writer.write_metadata("accounting", accounting)
-        summary = self._writer.finish()
+        summary = self._writer.finish(accounting if self._failure is None else None)
         self._writer = None
-        return summary.frames.get(self._sensor, 0)
+        return {"finished": summary.frames, "paths": [str(path) for path in summary.paths]}
 
     def _finish_alone(self) -> None:
         if self._writer is None:
@@ -118,8 +115,14 @@ class Recorder:
             event = Event(
                 EventKind.CAPTURE_LOST, time.time_ns(), "the capture process died; frames may miss"
             )
-            self._writer.write_event(self._sensor, event)
+            self._writer.write_event(event)
         self._writer.finish()
+
+
+def _camera_in(document: bytes) -> "CameraModel":
+    from station.documents import CalibrationDocument  # noqa: PLC0415  costs 0.2 s, seldom used
+
+    return CalibrationDocument.model_validate_json(document).camera.model()
 
 
 def main(link_descriptor: int, ring_descriptor: int, picture_bytes: int) -> None:

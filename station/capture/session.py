@@ -1,15 +1,17 @@
 """One recording being made, from the first exposure to the report."""
 
+import math
 import socket
 import time
 from dataclasses import replace
 
 from station.capture.camera import Camera
-from station.capture.clock import CameraClock
+from station.capture.clock import CameraClock, ClockSource
 from station.capture.intake import Intake
 from station.capture.link import RecorderDied, RecorderLink
 from station.capture.plan import CaptureReport, RecordingPlan, Trigger
 from station.capture.ring import Ring
+from station.capture.sequence import Sequencer
 from station.capture.status import CaptureStatus
 from station.errors import StationError
 from station.recording import Event, EventKind
@@ -18,6 +20,10 @@ from station.software import SOFTWARE
 _QUIET_S = 1.0
 """A camera from which nothing came for so long has sent all that it was triggered for."""
 _LAST_FRAMES_S = 0.3
+_FIRST_CLOCK_SAMPLES = 3
+"""The first answer may have waited for anything; the quickest of a few has not."""
+_MISSING_PERIODS, _SHORTEST_STALL_S = 10, 2.0
+"""A camera in free run that answers and sends nothing for so long is opened again."""
 _LAST_ANSWERS_S = 10.0
 _PATIENCES = 2
 
@@ -36,11 +42,13 @@ class CaptureSession:
             If the camera does not start.
         """
         self.plan = plan
-        self.software_triggers = 0
+        self.sequencer = Sequencer(plan.sequence)
         self._ring = ring
         self._link = link
         link.open(plan, _metadata(plan, camera))
-        self.intake = Intake(link, range(ring.slots), plan.frames)
+        self.intake = Intake(
+            link, range(ring.slots), plan.frames, exposure_of=self.sequencer.values_of
+        )
         try:
             self._start(camera)
         except StationError:
@@ -48,6 +56,7 @@ class CaptureSession:
             raise
         self._started_s = time.monotonic()
         self.intake.note(Event(EventKind.STARTED, time.time_ns(), plan.session_id))
+        self._say_warnings(camera)
 
     @property
     def reached(self) -> bool:
@@ -68,17 +77,27 @@ class CaptureSession:
             lost=account.lost,
             refused=account.refused,
             repeated=account.repeated,
+            resent_packets=self.intake.packets_resent(),
+            ring_slots=self._ring.slots,
+            ring_waiting=self.intake.unwritten,
+            clock=self.intake.clock.summary().to_text(),
         )
 
-    def trigger(self, camera: Camera) -> None:
-        """Expose once."""
-        camera.trigger()
-        self.software_triggers += 1
+    def ask_clock(self, camera: Camera) -> None:
+        """Compare the camera's clock with this host's; costs a millisecond."""
+        sample = camera.clock_sample()
+        if sample is not None:
+            self.intake.learn_time(sample)
+
+    @property
+    def silence_allowed_s(self) -> float:
+        """How long a camera that is well may send nothing; without end where it is triggered."""
+        return self._silence_allowed_s
 
     def quiet(self, expected: int | None) -> bool:
         """Whether nothing more is to be waited for, `expected` frames being asked for."""
         if expected is None and self.plan.trigger is Trigger.SOFTWARE:
-            expected = self.software_triggers
+            expected = self.sequencer.triggered
         if self.plan.trigger is Trigger.FREE and expected is None:
             return True
         if expected is not None and self.intake.account.accounted >= expected:
@@ -86,16 +105,22 @@ class CaptureSession:
         silent_s = time.monotonic() - self.intake.heard_s
         return silent_s >= _QUIET_S and not self.intake.in_flight
 
-    def camera_lost(self, reason: str) -> None:
+    def camera_lost(self, kind: EventKind, reason: str) -> None:
         """Go on without a camera; what it exposes meanwhile is unknown."""
         self.intake.detach(lost=True)
-        self.intake.note(Event(EventKind.CAMERA_LOST, time.time_ns(), reason))
+        self._lost_s = time.monotonic()
+        silent_s = self._lost_s - self.intake.heard_s
+        detail = f"{reason}; its last frame came {silent_s:.2f} s before"
+        self.intake.note(Event(kind, time.time_ns(), detail))
 
     def camera_back(self, camera: Camera) -> None:
         """Go on with the camera, opened again."""
         self.intake.account.begin_again()
-        self.intake.note(Event(EventKind.CAMERA_BACK, time.time_ns(), "opened again"))
+        away_s = time.monotonic() - self._lost_s
+        detail = f"opened again {away_s:.2f} s after it was found lost"
+        self.intake.note(Event(EventKind.CAMERA_BACK, time.time_ns(), detail))
         self._start(camera)
+        self._say_warnings(camera)
 
     def finish(self, camera: Camera | None, expected: int | None) -> CaptureReport:
         """Stop acquiring, see the last frames into the file, and close it."""
@@ -103,7 +128,7 @@ class CaptureSession:
         intake = self.intake
         triggered = expected
         if triggered is None and self.plan.trigger is Trigger.SOFTWARE:
-            triggered = self.software_triggers
+            triggered = self.sequencer.triggered
         self._settle()
         intake.account.close(triggered)
         if intake.resent_packets:
@@ -117,8 +142,26 @@ class CaptureSession:
 
     def _start(self, camera: Camera) -> None:
         free = self.intake.free_slots
+        exposure_us = camera.exposure_us
+        self._silence_allowed_s = self._longest_silence_s(camera, exposure_us)
         stream = camera.start(self.plan.trigger, self._ring, free)
-        self.intake.attach(stream, CameraClock(camera.tick_frequency_hz))
+        self.sequencer.camera_started()
+        self.intake.attach(stream, CameraClock(camera.tick_frequency_hz, round(exposure_us * 1e3)))
+        for _ in range(_FIRST_CLOCK_SAMPLES):
+            self.ask_clock(camera)
+
+    def _longest_silence_s(self, camera: Camera, exposure_us: float) -> float:
+        if self.plan.trigger is not Trigger.FREE:
+            return math.inf
+        period_s = max(1.0 / camera.frame_rate_hz, exposure_us * 1e-6)
+        return max(_SHORTEST_STALL_S, _MISSING_PERIODS * period_s)
+
+    def _say_warnings(self, camera: Camera) -> None:
+        for kind, detail in camera.warnings:
+            self.intake.note(Event(kind, time.time_ns(), detail))
+        if self.intake.clock.source is ClockSource.HOST:
+            detail = "the camera's clock has no tick frequency; frames bear the time of reception"
+            self.intake.note(Event(EventKind.CLOCK_MISSING, time.time_ns(), detail))
 
     def _stop(self, camera: Camera | None) -> None:
         if camera is not None:
@@ -142,6 +185,7 @@ class CaptureSession:
         counts = report.to_json()
         names = ("triggered", "recorded", "lost", "refused", "repeated", "complete")
         accounting = {name: str(counts[name]) for name in names} | self.intake.receiving
+        accounting |= self.intake.clock.summary().to_text()
         try:
             frames = self._finished_by_some_recorder(accounting)
         except StationError as error:
@@ -161,6 +205,7 @@ class CaptureSession:
         intake, account = self.intake, self.intake.account
         return CaptureReport(
             path=self.plan.path,
+            paths=self._link.paths,
             triggered=triggered,
             recorded=account.recorded,
             lost=account.lost,

@@ -38,6 +38,17 @@ class CaptureStatus:
     lost: int = 0
     refused: int = 0
     repeated: int = 0
+    resent_packets: int = 0
+    ring_slots: int = 0
+    """Places between camera and disk."""
+    ring_waiting: int = 0
+    """Of them, those that wait to be written."""
+    clock: Mapping[str, str] = field(default_factory=dict)
+    """How the camera's clock goes: see `ClockSummary.to_text`."""
+    totals: Mapping[str, int] = field(default_factory=dict)
+    """Frames by fate and packets resent since this process began."""
+    warnings: tuple[str, ...] = ()
+    """What lets frames come but is not as it should be."""
 
     def to_json(self) -> dict[str, Any]:
         """Return the status as it leaves the capture process."""
@@ -52,10 +63,21 @@ class CaptureStatus:
             "lost": self.lost,
             "refused": self.refused,
             "repeated": self.repeated,
+            "resent_packets": self.resent_packets,
+            "ring_slots": self.ring_slots,
+            "ring_waiting": self.ring_waiting,
+            "clock": dict(self.clock),
+            "totals": dict(self.totals),
+            "warnings": list(self.warnings),
         }
 
     @classmethod
     def from_json(cls, fields: Mapping[str, Any]) -> "CaptureStatus":
         """Make a status of what `to_json` returned."""
         path = None if fields["path"] is None else Path(fields["path"])
-        return cls(**{**fields, "state": CaptureState(fields["state"]), "path": path})
+        known = {
+            "state": CaptureState(fields["state"]),
+            "path": path,
+            "warnings": tuple(fields["warnings"]),
+        }
+        return cls(**{**fields, **known})

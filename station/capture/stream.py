@@ -9,6 +9,7 @@ from station.capture.burial import bury
 from station.capture.open_stream import OpenStream
 from station.capture.ring import Ring
 
+_MEMORY = "memory"
 _NO_ID = 0
 """No frame has it.  A frame whose first packet is lost keeps the id its buffer had before."""
 
@@ -43,6 +44,8 @@ class FrameStream:
         """How packets are received."""
         self.buffer_bytes = opened.buffer_bytes
         """Room in the kernel for packets that wait."""
+        self._counts = opened.method != _MEMORY
+        self._ids = None if self._counts else _FakeIds()
         self._buffers = {
             slot: Aravis.Buffer.new(payload_bytes, ring.address(slot)) for slot in range(ring.slots)
         }
@@ -53,12 +56,12 @@ class FrameStream:
     @property
     def resent_packets(self) -> int:
         """Packets that came on request, lost at first."""
-        return int(self._stream.get_info_uint64_by_name("n_resent_packets"))
+        return self._count("n_resent_packets")
 
     @property
     def underruns(self) -> int:
         """Packets that met no free slot."""
-        return int(self._stream.get_info_uint64_by_name("n_underruns"))
+        return self._count("n_underruns")
 
     @property
     def in_flight(self) -> bool:
@@ -90,19 +93,38 @@ class FrameStream:
             bury(remains)
         return last
 
+    def _count(self, name: str) -> int:
+        return int(self._stream.get_info_uint64_by_name(name)) if self._counts else 0
+
     def _taken(self, buffer: Any) -> ReceivedFrame:
         slot = self._slot_of[buffer]
         self.lent.discard(slot)
         flaw = _flaw(buffer.get_status())
+        given = buffer.get_frame_id()
         return ReceivedFrame(
             slot=slot,
-            frame_id=buffer.get_frame_id() or None,
+            frame_id=(given or None) if self._ids is None else self._ids.of(given),
             camera_ns=buffer.get_timestamp(),
             received_ns=buffer.get_system_timestamp(),
             width=0 if flaw else buffer.get_image_width(),
             height=0 if flaw else buffer.get_image_height(),
             flaw=flaw,
         )
+
+
+class _FakeIds:
+    """Block ids for Aravis' own camera, which counts from 65400 on and after 65535 from 0."""
+
+    def __init__(self) -> None:
+        self._last: int | None = None
+        self._taken = 0
+
+    def of(self, given: int) -> int:
+        """Return the id that a GigE Vision camera would have given."""
+        if self._last is not None:
+            self._taken += (given - self._last) % 65536
+        self._last = given
+        return self._taken % 65535 + 1
 
 
 def _flaw(status: Any) -> str | None:

@@ -1,29 +1,60 @@
 """`station bench`: the figures of the README, measured here."""
 
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from station.bench import BENCHES
+from station.bench import BENCHES, CAPTURE_PARTS, capture_benches
 from station.cli.output import AsJson, emit, progress_bar
 from station.errors import InputUnusable
+from station.progress import Progress
+from station.tables import Table
+
+_CAPTURE = "capture"
 
 
 def bench(
     name: Annotated[
         str | None, typer.Argument(metavar="[NAME]", help=f"One of {', '.join(BENCHES)}; all.")
     ] = None,
+    part: Annotated[
+        list[str] | None,
+        typer.Option(help=f"Of capture: one of {', '.join(CAPTURE_PARTS)}; may be repeated."),
+    ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="Of capture: as long as is asked of a station.")
+    ] = False,
+    minutes: Annotated[
+        float | None,
+        typer.Option(min=0.01, help="Of capture: how long one camera runs at full rate."),
+    ] = None,
+    folder: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Of capture: where recordings go meanwhile.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure and print the figures of the README."""
     if name is not None and name not in BENCHES:
         raise InputUnusable(f"bench {name!r}; allowed: {', '.join(BENCHES)}")
-    tables = {}
-    for one in [name] if name is not None else BENCHES:
-        with progress_bar(one) as progress:
-            tables[one] = [measure(progress) for measure in BENCHES[one]]
+    benches = dict(BENCHES) if name is None else {name: BENCHES[name]}
+    if part or full or minutes is not None or folder is not None:
+        if name != _CAPTURE:
+            raise InputUnusable(
+                "--part, --full, --minutes and --folder are of `station bench capture`"
+            )
+        benches[name] = capture_benches(
+            part or CAPTURE_PARTS, full=full, minutes=minutes, folder=folder
+        )
+    tables = {one: _measured(one, measures) for one, measures in benches.items()}
     emit(
         {one: [table.as_data() for table in some] for one, some in tables.items()},
         "\n\n".join(table.as_markdown() for some in tables.values() for table in some),
         as_json=as_json,
     )
+
+
+def _measured(name: str, measures: Sequence[Callable[[Progress], Table]]) -> list[Table]:
+    with progress_bar(name) as progress:
+        return [measure(progress) for measure in measures]

@@ -81,8 +81,25 @@ def simulate(
     ] = None,
     recording: Annotated[
         Path | None,
-        typer.Option("--from", metavar="FILE.mcap", help="Serve the pictures of a recording."),
+        typer.Option(
+            "--from",
+            metavar="FILE.mcap",
+            help="Play a recording, all files of it, with its own timing and frame ids.",
+        ),
     ] = None,
+    sensor: Annotated[
+        str | None, typer.Option(metavar="ID", help="Play this sensor's part of the recording.")
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1, max=2000.0, metavar="F", help="Play so many pictures a second, evenly."
+        ),
+    ] = None,
+    once: Annotated[
+        bool,
+        typer.Option("--once", help="Play it once, and end when the receiver has stopped."),
+    ] = False,
     fps: Annotated[
         float, typer.Option(min=0.1, max=2000.0, metavar="F", help="Pictures a second, free run.")
     ] = 53.0,
@@ -96,10 +113,19 @@ def simulate(
     seconds: Annotated[
         float | None, typer.Option(min=0.0, metavar="S", help="End after so long.")
     ] = None,
+    frames_per_scene: Annotated[
+        int,
+        typer.Option(
+            min=1, max=64, metavar="N", help="Pictures of each scene: an exposure sequence's."
+        ),
+    ] = 1,
     as_json: AsJson = False,
 ) -> None:
     """Be a GigE Vision camera until Ctrl-C; it serves a rendered target where nothing is said."""
-    choice = _Choice(scene, light, seed, pictures, recording)
+    playing = _Playing(recording, sensor, once, rate)
+    choice = _Choice(scene, light, seed, pictures, playing, frames_per_scene)
+    if recording is not None and line1_hz is not None:
+        raise InputUnusable("--line1-hz with --from: a recording is its own trigger; give --rate")
     parse_address(address)
     with progress_bar("rendering") as progress:
         source = choice.open(progress)
@@ -114,13 +140,38 @@ def simulate(
         # The document on stdout comes at the end; a script waits for this line on stderr.
         print(
             f"camera {camera.serial} at {address}: {source.width} × {source.height} px, "
-            f"{fps:g} pictures a second, {choice.name}",
+            f"{choice.pace or f'{fps:g} pictures a second'}, {choice.name}",
             file=sys.stderr if as_json else sys.stdout,
             flush=True,
         )
         _stand_by(camera, ended, seconds=seconds, line1_hz=line1_hz)
     statistics = camera.statistics()
     emit(asdict(statistics), _summary(statistics), as_json=as_json)
+
+
+@dataclass(frozen=True, slots=True)
+class _Playing:
+    """How a recording is to be played, if one is."""
+
+    path: Path | None
+    sensor: str | None
+    once: bool
+    rate_hz: float | None
+
+    def __post_init__(self) -> None:
+        if self.path is None and (self.sensor or self.once or self.rate_hz):
+            raise InputUnusable(
+                "--sensor, --once and --rate say how to play; give --from FILE.mcap"
+            )
+
+    @property
+    def pace(self) -> str:
+        return f"{self.rate_hz:g} pictures a second" if self.rate_hz else "its own timing"
+
+    def open(self) -> RecordingSource | None:
+        if self.path is None:
+            return None
+        return RecordingSource(self.path, self.sensor, once=self.once, rate_hz=self.rate_hz)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,26 +182,38 @@ class _Choice:
     light: Light
     seed: int
     pictures: Path | None
-    recording: Path | None
+    playing: _Playing
+    frames_per_scene: int
 
     def __post_init__(self) -> None:
-        given = [self.scene, self.pictures, self.recording]
+        given = [self.scene, self.pictures, self.playing.path]
         if len(given) - given.count(None) > 1:
             raise InputUnusable("a camera looks at one thing: --scene, --pictures or --from")
 
     @property
     def name(self) -> str:
-        if self.pictures or self.recording:
-            return f"from {self.pictures or self.recording}"
+        if self.pictures or self.playing.path:
+            return f"from {self.pictures or self.playing.path}"
         return f"{self.scene or SceneKind.TARGET} in {self.light} light"
+
+    @property
+    def pace(self) -> str | None:
+        return self.playing.pace if self.playing.path else None
 
     def open(self, progress: Progress) -> FrameSource:
         if self.pictures:
             return PictureFolder(self.pictures)
-        if self.recording:
-            return RecordingSource(self.recording)
+        played = self.playing.open()
+        if played is not None:
+            return played
         kind = self.scene or SceneKind.TARGET
-        return render_scenes(kind, self.light, seed=self.seed, progress=progress)
+        return render_scenes(
+            kind,
+            self.light,
+            seed=self.seed,
+            progress=progress,
+            frames_per_scene=self.frames_per_scene,
+        )
 
 
 @contextmanager
@@ -173,11 +236,11 @@ def _stand_by(
     seconds: float | None,
     line1_hz: float | None,
 ) -> None:
-    """Raise the trigger line in its rhythm until told to end, or the camera has failed."""
+    """Raise the trigger line in its rhythm until told to end, or there is nothing more to do."""
     begun_s, begun_ns = time.monotonic(), time.time_ns()
     period_s = _LOOK_S if line1_hz is None else 1.0 / line1_hz
     count = 0
-    while camera.failure is None:
+    while camera.failure is None and not camera.played_out:
         count += 1
         due_s = count * period_s
         if seconds is not None and due_s > seconds:

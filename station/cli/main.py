@@ -21,9 +21,11 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "intrinsics": ("station.cli.intrinsics", "intrinsics"),
     "calibrate": ("station.cli.calibrate", "calibrate"),
     "measure": ("station.cli.measure", "measure"),
+    "replay": ("station.cli.replay", "replay"),
     "compare": ("station.cli.compare", "compare"),
     "table": ("station.cli.table", "table"),
     "gauge": ("station.cli.gauge", "gauge"),
+    "doctor": ("station.cli.doctor", "doctor"),
     "bench": ("station.cli.bench", "bench"),
 }
 GROUPS: dict[str, str] = {

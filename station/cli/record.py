@@ -20,6 +20,7 @@ from station.capture import (
 from station.cli.output import AsJson, emit, progress_bar
 from station.errors import InputUnusable, NothingMeasurable
 from station.progress import Progress
+from station.recording import Rotation
 from station.settings import SensorSettings
 
 _LOOK_INTERVAL_S = 0.1
@@ -36,10 +37,14 @@ def record(
     exposure: Annotated[
         float | None, typer.Option(metavar="US", help="Exposure time, us; else the camera's own.")
     ] = None,
+    rotate: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Go on in a next file every S seconds; else in one file."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Record frames of a camera; exit 1 where any is missing."""
-    plan = _plan(out, sensor, trigger, frames, seconds)
+    plan = _plan(out, sensor, trigger, frames, seconds, rotate)
     settings = _settings(sensor, camera, trigger, exposure)
     with _capture(settings) as client, progress_bar("record") as progress:
         client.arm(plan)
@@ -50,12 +55,19 @@ def record(
 
 
 def _plan(
-    out: Path, sensor: str, trigger: Trigger, frames: int | None, seconds: float | None
+    out: Path,
+    sensor: str,
+    trigger: Trigger,
+    frames: int | None,
+    seconds: float | None,
+    rotate_s: float | None,
 ) -> RecordingPlan:
     if (frames is None) == (seconds is None):
         raise InputUnusable("how much to record: give --frames N or --seconds S, one of the two")
     if seconds is not None and not (seconds > 0.0):
         raise InputUnusable(f"--seconds {seconds:g}: give more than 0")
+    if rotate_s is not None and not (rotate_s > 0.0):
+        raise InputUnusable(f"--rotate {rotate_s:g}: give more than 0")
     if out.suffix != ".mcap":
         raise InputUnusable(f"{out}: a recording's name ends in .mcap")
     if out.exists():
@@ -67,6 +79,7 @@ def _plan(
         trigger=trigger,
         frames=frames,
         seconds=seconds,
+        rotation=Rotation(rotate_s),
     )
 
 

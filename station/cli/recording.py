@@ -1,4 +1,4 @@
-"""`station recording`: what is in a recording, whether it is sound, and making it whole."""
+"""`station recording`: what is in a recording, whether it is sound, making it whole and small."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,14 +7,22 @@ import typer
 
 from station.cli.output import AsJson, emit, progress_bar
 from station.errors import NothingMeasurable
-from station.recording import Event, RecordingInfo, events
+from station.progress import Progress
+from station.recording import CompactReport, Event, RecordingInfo, events, whole_recordings
+from station.recording import compact as compact_file
 from station.recording import info as read_info
 from station.recording import recover as recover_file
 from station.recording import verify as verify_file
 
-app = typer.Typer(help="Look at a recording, prove it, make it whole.", no_args_is_help=True)
+app = typer.Typer(
+    help="Look at a recording, prove it, make it whole, make it small.", no_args_is_help=True
+)
 
 RecordingPath = Annotated[Path, typer.Argument(metavar="FILE", help="A recording (.mcap).")]
+
+RecordingPaths = Annotated[
+    list[Path], typer.Argument(metavar="FILE...", help="Recordings (.mcap), with all their files.")
+]
 
 
 @app.command()
@@ -53,6 +61,38 @@ def recover(file: RecordingPath, as_json: AsJson = False) -> None:
         raise NothingMeasurable(
             f"{report.path} was made readable but is not sound: {report.verified.problems[0]}"
         )
+
+
+@app.command()
+def compact(files: RecordingPaths, as_json: AsJson = False) -> None:
+    """Rewrite recordings smaller, in place, once every frame is proved equal; exit 1 if not all."""
+    done: list[CompactReport] = []
+    left: list[str] = []
+    parts = [part for group in whole_recordings(files) for part in group]
+    with progress_bar("compact") as progress:
+        for place, part in enumerate(parts):
+            try:
+                done.append(compact_file(part, _step(progress, place, len(parts))))
+            except NothingMeasurable as error:
+                left.append(str(error))
+    document = {"compacted": [one.to_json() for one in done], "left": left}
+    if done or as_json:
+        emit(document, "\n".join(map(_compact_text, done)), as_json=as_json)
+    if left:
+        raise NothingMeasurable("; ".join(left))
+
+
+def _step(progress: Progress, place: int, count: int) -> Progress:
+    """Return the progress of one of several."""
+    return lambda part, what: progress((place + part) / count, what)
+
+
+def _compact_text(report: CompactReport) -> str:
+    before_mb, after_mb = report.before_bytes / 1e6, report.after_bytes / 1e6
+    return (
+        f"{report.path}: {before_mb:.1f} MB are now {after_mb:.1f} MB "
+        f"({before_mb / after_mb:.2f} times smaller), {report.chunks} chunks proved equal"
+    )
 
 
 def _info_text(found: RecordingInfo, happened: list[Event]) -> str:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from station.client import StationClient
 from station.demo.rendering import RenderedFrames, frames_path
-from station.demo.scenario import REFERENCE, Scenario, SensorTruth
+from station.demo.scenario import AXLES, OFFSETS_MM, POSES, REFERENCE, Scenario, SensorTruth
 from station.errors import StationError
 from station.simulated import SimulatedCameraProcess
 
@@ -132,6 +132,10 @@ def _settings_toml(scenario: Scenario, folder: Path, port: int) -> str:
         f'data_dir = "{folder}"',
         f"port = {port}",
         f'reference = "{REFERENCE}"',
+        "[storage]",  # space for what the demo records, not for the longest train
+        "keep_free_gb = 0.1",
+        f"most_poses = {POSES}",
+        f"most_axles = {AXLES * len(OFFSETS_MM)}",
     ]
     for truth in scenario.sensors:
         mounting = truth.rig_from_camera

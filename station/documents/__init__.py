@@ -1,6 +1,6 @@
 """The files others rely on: camera.json, calibration.json, points.csv, results.json."""
 
-from station.documents.base import write_whole
+from station.documents.base import write_whole, written_whole
 from station.documents.calibration import (
     CalibrationDocument,
     Gate,
@@ -38,4 +38,5 @@ __all__ = [
     "views_from_points",
     "wheel_document",
     "write_whole",
+    "written_whole",
 ]

@@ -16,10 +16,10 @@ from calib import (
     TargetPoints,
     View,
 )
-from station.documents.points_rows import NEEDED, PointRow, point_rows
+from station.documents.points_rows import DOT_RADIUS, NEEDED, PointRow, point_rows
 from station.errors import InputUnusable
 
-POINT_COLUMNS = (*NEEDED, "u_corrected", "v_corrected", "used", "reason")
+POINT_COLUMNS = (*NEEDED, "u_corrected", "v_corrected", "used", "reason", DOT_RADIUS)
 
 
 def points_csv(calibration: Calibration) -> str:
@@ -36,20 +36,21 @@ def points_csv(calibration: Calibration) -> str:
 
 def _dot_rows(view: View, answer: SolvedView) -> Iterator[list[object]]:
     points = view.points
+    radius = "" if view.dot_radius is None else f"{view.dot_radius:.6f}"
     for i, outcome in enumerate(_outcomes(answer.dots, len(points), answer.left_out)):
         place = [view.name, "dot", points.row[i], points.col[i]]
-        yield [*place, *_numbers(points.centre_px[i], points.sigma_px[i]), *outcome]
+        yield [*place, *_numbers(points.centre_px[i], points.sigma_px[i]), *outcome, radius]
 
 
 def _stripe_rows(name: str, stripe: StripePoints, answer: SolvedView) -> Iterator[list[object]]:
     # Across the stripe alone something is known: its sigma, split on u and v by the normal (Eq. 9).
     sigma_px = np.abs(stripe.normal) * stripe.sigma_px[:, None]
     for i, outcome in enumerate(_outcomes(answer.stripe, len(stripe), answer.left_out)):
-        yield [name, "stripe", "", "", *_numbers(stripe.centre_px[i], sigma_px[i]), *outcome]
+        yield [name, "stripe", "", "", *_numbers(stripe.centre_px[i], sigma_px[i]), *outcome, ""]
 
 
 def _outcomes(solved: SolvedPoints | None, count: int, left_out: str) -> Iterator[list[object]]:
-    """Yield the last four columns; a view that was left out has a reason in place of numbers."""
+    """Yield correction, use and reason; a view left out has a reason in place of numbers."""
     if solved is None:
         yield from [["", "", 0, left_out]] * count
         return
@@ -69,7 +70,8 @@ def views_from_points(text: str, target: Target, *, name: str) -> list[View]:
     Parameters
     ----------
     text
-        The file; columns image, kind, row, col, u, v, sigma_u, sigma_v are needed, others ignored.
+        The file; columns image, kind, row, col, u, v, sigma_u, sigma_v are needed.
+        dot_radius_pitches, that of the dots as seen, is read where it stands, others are ignored.
     target
         The target that row and col lie on.
     name
@@ -78,8 +80,8 @@ def views_from_points(text: str, target: Target, *, name: str) -> list[View]:
     Raises
     ------
     InputUnusable
-        If a row cannot be used (see `point_rows`), a dot is named twice, a stripe point stands
-        twice, or a stripe has fewer than 3 points in a picture.
+        If a row cannot be used (see `point_rows`), a dot is named twice or a stripe point stands
+        twice. Stripes of too few points to be a line are the solver's to leave out.
     """
     by_image: dict[str, list[PointRow]] = {}
     for row in point_rows(text, target, name=name):
@@ -102,7 +104,13 @@ def _view(image: str, rows: Sequence[PointRow], name: str) -> View:
         sigma_px=np.array([(r.sigma_u, r.sigma_v) for r in dots]).reshape(-1, 2),
         cause=(Cause.NONE,) * len(dots),
     )
-    return View(image, points, _stripe(stripe, image, name) if stripe else None)
+    seen_radii = [r.dot_radius for r in dots if r.dot_radius is not None]
+    return View(
+        image,
+        points,
+        _stripe(stripe) if stripe else None,
+        dot_radius=float(np.median(seen_radii)) if seen_radii else None,
+    )
 
 
 def _refuse_repeats(places: Iterable[tuple[str, PointRow]], image: str, name: str) -> None:
@@ -116,11 +124,7 @@ def _refuse_repeats(places: Iterable[tuple[str, PointRow]], image: str, name: st
             )
 
 
-def _stripe(rows: Sequence[PointRow], image: str, name: str) -> StripePoints:
-    if len(rows) < 3:
-        raise InputUnusable(
-            f"{name}: {len(rows)} stripe points in {image}; allowed: none, or 3 and more"
-        )
+def _stripe(rows: Sequence[PointRow]) -> StripePoints:
     centre_px = np.array([(r.u, r.v) for r in rows])
     along = np.linalg.svd(centre_px - centre_px.mean(axis=0), full_matrices=False)[2][0]
     normal = np.array([-along[1], along[0]])

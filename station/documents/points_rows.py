@@ -10,17 +10,24 @@ from calib import Target
 from station.errors import InputUnusable
 
 NEEDED = ("image", "kind", "row", "col", "u", "v", "sigma_u", "sigma_v")
+DOT_RADIUS = "dot_radius_pitches"
+"""A column that may be missing, or empty: the centres of large dots seen at an angle need it."""
+
 KINDS = ("dot", "stripe")
 
 _DELIMITERS = ",;\t"
 _LARGEST_PX = 1e5
 """No sensor is as large, and beyond it rounding begins to count."""
+_LARGEST_DOT_RADIUS = 0.5  # pitches: larger ones would touch
 _SIGMAS_PX = (1e-6, 1e4)
 
 
 @dataclass(frozen=True, slots=True)
 class PointRow:
-    """One checked row of the file; a stripe point is at row and column -1."""
+    """One checked row of the file; a stripe point is at row and column -1.
+
+    `dot_radius` is in pitches, None where the file tells none.
+    """
 
     line: int
     image: str
@@ -31,6 +38,7 @@ class PointRow:
     v: float
     sigma_u: float
     sigma_v: float
+    dot_radius: float | None = None
 
 
 def point_rows(text: str, target: Target, *, name: str) -> Iterator[PointRow]:
@@ -57,7 +65,7 @@ def _check_header(columns: list[str], name: str) -> None:
     missing = [column for column in NEEDED if column not in columns]
     if missing:
         raise InputUnusable(f"{name}: no column {', '.join(missing)}; {allowed}")
-    twice = [column for column in NEEDED if columns.count(column) > 1]
+    twice = [column for column in (*NEEDED, DOT_RADIUS) if columns.count(column) > 1]
     if twice:
         raise InputUnusable(f"{name}: column {', '.join(twice)} stands twice; {allowed}, each once")
 
@@ -78,6 +86,7 @@ def _checked(fields: dict[str, str], line: int, target: Target, name: str) -> Po
     try:
         u, v, sigma_u, sigma_v = (_number(fields, c) for c in ("u", "v", "sigma_u", "sigma_v"))
         row, col = (_whole(fields, c) if kind == "dot" else -1 for c in ("row", "col"))
+        radius = _number(fields, DOT_RADIUS) if kind == "dot" and fields.get(DOT_RADIUS) else None
     except ValueError as error:
         raise refuse(str(error)) from None
     if not all(map(math.isfinite, (u, v, sigma_u, sigma_v))):
@@ -89,7 +98,9 @@ def _checked(fields: dict[str, str], line: int, target: Target, name: str) -> Po
     if kind == "dot" and not (0 <= row < target.rows and 0 <= col < target.cols):
         raise refuse(f"dot at row {row}, col {col}; allowed on {target}: rows 0 to "
                      f"{target.rows - 1}, cols 0 to {target.cols - 1}")  # fmt: skip
-    return PointRow(line, fields["image"], kind, row, col, u, v, sigma_u, sigma_v)
+    if radius is not None and not 0.0 < radius < _LARGEST_DOT_RADIUS:
+        raise refuse(f"{DOT_RADIUS} {radius:g}; allowed: between 0 and {_LARGEST_DOT_RADIUS:g}")
+    return PointRow(line, fields["image"], kind, row, col, u, v, sigma_u, sigma_v, radius)
 
 
 def _wrong_with_sigmas(kind: str, sigma_u: float, sigma_v: float) -> str:

@@ -4,10 +4,12 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
-from station.capture import RecordingPlan, Trigger
-from station.errors import StateConflict
+from station.capture import ExposureStep, RecordingPlan, Trigger
+from station.errors import StateConflict, StationError
 from station.operations.collaborators import Station
-from station.settings import SensorSettings
+from station.recording import Rotation
+from station.settings import SensorSettings, StorageSettings
+from station.storage import Expected, ensure_space, expected_of_pass, expected_of_session
 from station.store import (
     Calibration,
     Recording,
@@ -42,6 +44,50 @@ def ensure_sensors_free(session: Session, sensors: Iterable[SensorSettings], wan
             )
 
 
+def ensure_space_for_pass(station: Station) -> None:
+    """Let a pass begin only where its longest fits on the disk.
+
+    Raises
+    ------
+    DiskFull
+        If it does not.
+    """
+    storage = station.settings.storage
+    expected = [
+        expected_of_pass(sensor, storage, _picture_bytes(station, sensor))
+        for sensor in station.sensors
+    ]
+    _ensure_space(station, expected, "the longest pass")
+
+
+def ensure_space_for_session(station: Station, sensor: SensorSettings) -> None:
+    """Let a calibration session begin only where its pictures fit on the disk.
+
+    Raises
+    ------
+    DiskFull
+        If they do not.
+    """
+    picture_bytes = _picture_bytes(station, sensor)
+    expected = [expected_of_session(sensor, station.settings.storage, picture_bytes)]
+    _ensure_space(station, expected, "a calibration session")
+
+
+def _ensure_space(station: Station, expected: Iterable[Expected], wanted: str) -> None:
+    storage = station.settings.storage
+    keep_free_gb = max(storage.keep_free_gb, storage.reserve_mb / 1e3)
+    ensure_space(station.layout.root, expected, keep_free_gb, wanted)
+
+
+def _picture_bytes(station: Station, sensor: SensorSettings) -> int | None:
+    """Return the size of a sensor's pictures as its camera says it, or None where it does not."""
+    try:
+        camera = station.captures[sensor.id].status().camera
+        return int(camera["width"]) * int(camera["height"])
+    except (KeyError, ValueError, StationError):
+        return None
+
+
 def calibration_in_force(session: Session, sensor: str) -> str | None:
     """Return the id of the calibration in force on a sensor, or None."""
     activation = active(session, sensor)
@@ -64,10 +110,32 @@ def arm(station: Station, recording: Recording, *, owner: str, trigger: Trigger)
             path=path,
             sensor=recording.sensor,
             trigger=trigger,
+            sequence=_sequence(station.settings.sensor(recording.sensor), trigger),
+            rotation=_rotation(station.settings.storage, trigger),
+            reserve_bytes=round(station.settings.storage.reserve_mb * 1e6),
             metadata={"station": station.settings.name, "recording": recording.id},
             attachments=_attachments(station, recording),
         )
     )
+
+
+def _sequence(sensor: SensorSettings | None, trigger: Trigger) -> tuple[ExposureStep, ...]:
+    """Return what a command takes of each pose: the sensor's exposures for calibrations."""
+    if sensor is None or trigger is not Trigger.SOFTWARE:
+        return ()
+    return tuple(
+        ExposureStep(
+            one.exposure_us, sensor.gain_db if one.gain_db is None else one.gain_db, one.laser
+        )
+        for one in sensor.calibration_exposures
+    )
+
+
+def _rotation(storage: StorageSettings, trigger: Trigger) -> Rotation:
+    """Return when a recording goes on in a next file; pictures taken one by one need no hurry."""
+    seconds = None if trigger is Trigger.SOFTWARE else storage.rotate_s
+    size_bytes = None if storage.rotate_mb is None else round(storage.rotate_mb * 1e6)
+    return Rotation(seconds, size_bytes)
 
 
 def _attachments(station: Station, recording: Recording) -> dict[str, bytes]:

@@ -101,6 +101,12 @@ def _closed(session: Session, recording_id: str, sensor: str) -> str:
             f"recording {recording.id} still runs; finish it, then calibrate from it",
             state="recording",
         )
+    if recording.deleted_at is not None:
+        raise StateConflict(
+            f"recording {recording.id} was deleted on {recording.deleted_at:%Y-%m-%d} "
+            f"({recording.deleted_why}); calibrate from one that is there",
+            state="deleted",
+        )
     if recording.sensor != sensor:
         raise InputUnusable(
             f"recording {recording.id} is of sensor {recording.sensor}, not of {sensor}; "

@@ -21,6 +21,7 @@ class Closed:
     complete: bool
     recovered: bool
     summary: str
+    files: int
 
     @classmethod
     def from_report(cls, report: CaptureReport) -> "Closed":
@@ -32,6 +33,7 @@ class Closed:
             refused=report.refused,
             complete=report.complete,
             recovered=False,
+            files=len(report.paths),
             summary=report.summary().removeprefix(f"{report.path}: "),
         )
 
@@ -46,6 +48,7 @@ class Closed:
             refused=0,
             complete=False,
             recovered=found is not None,
+            files=0 if found is None else found.files,
             summary=f"{why}; {'nothing was left' if found is None else found.summary}",
         )
 
@@ -94,3 +97,4 @@ def note(recording: Recording, closed: Closed, expected: int | None) -> None:
     recording.complete = closed.complete
     recording.recovered = closed.recovered
     recording.summary = closed.summary
+    recording.files = closed.files

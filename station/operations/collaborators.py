@@ -41,6 +41,7 @@ class Salvaged:
 
     frames: int
     summary: str
+    files: int = 1
 
 
 Salvage = Callable[[Path], Salvaged | None]

@@ -9,7 +9,12 @@ from sqlalchemy.orm import Session
 
 from station.capture import Trigger
 from station.errors import StateConflict, StationError
-from station.operations.arming import arm, calibration_in_force, ensure_sensors_free
+from station.operations.arming import (
+    arm,
+    calibration_in_force,
+    ensure_sensors_free,
+    ensure_space_for_pass,
+)
 from station.operations.closing import Closed, close_all, note
 from station.operations.collaborators import Station
 from station.operations.sensors import sensor_given
@@ -74,6 +79,8 @@ class Passes:
         ------
         StateConflict
             If another recording runs, this pass has failed, or its id names another train.
+        DiskFull
+            If the longest pass would not fit on the disk; the id stays free.
         CameraError, RecordingError
             If a sensor cannot record; the pass has then failed.
         """
@@ -82,6 +89,7 @@ class Passes:
             if known is not None:
                 return _view(session, _ensure_same(known, train)), False
             ensure_sensors_free(session, self._station.sensors, f"pass {pass_id}")
+            ensure_space_for_pass(self._station)
             view = self._add(session, pass_id, train)
         try:
             self._arm_all(view, pass_id)

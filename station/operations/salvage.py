@@ -6,7 +6,7 @@ from pathlib import Path
 
 from station.errors import InputUnusable, StateConflict
 from station.operations.collaborators import Salvaged
-from station.recording import active_path, info, recover
+from station.recording import active_path, info, left_behind, recover
 
 _PATIENCE_S = 15.0
 _PAUSE_S = 0.1
@@ -25,9 +25,20 @@ def salvage_recording(path: Path, sleep: Callable[[float], None] = time.sleep) -
     InputUnusable, RecordingError
         If nothing can be read from it.
     """
+    for _, part in left_behind(path):
+        _make_whole(part, sleep)
+    parts = [part for _, part in left_behind(path)]
+    if not parts:
+        return None
+    frames = sum(sensor.frames for part in parts for sensor in info(part).sensors)
+    files = "" if len(parts) == 1 else f" in {len(parts)} files"
+    return Salvaged(frames=frames, summary=f"{frames} frames saved{files}", files=len(parts))
+
+
+def _make_whole(path: Path, sleep: Callable[[float], None]) -> None:
     for _ in range(int(_PATIENCE_S / _PAUSE_S)):
         if not active_path(path).exists():
-            break
+            return
         try:
             recover(active_path(path))
         except StateConflict:
@@ -36,7 +47,7 @@ def salvage_recording(path: Path, sleep: Callable[[float], None] = time.sleep) -
             if not path.exists():
                 raise
             # The recorder gave the file its name between the look and the call.
-    if not path.exists():
-        return None
-    frames = sum(sensor.frames for sensor in info(path).sensors)
-    return Salvaged(frames=frames, summary=f"{frames} frames saved")
+    if active_path(path).exists():
+        raise StateConflict(
+            f"{path} is still being written after {_PATIENCE_S:.0f} s; is its disk stuck?"
+        )

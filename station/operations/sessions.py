@@ -9,7 +9,12 @@ from sqlalchemy.orm import Session
 from calib import Target
 from station.capture import Trigger
 from station.errors import StateConflict, StationError
-from station.operations.arming import arm, calibration_in_force, ensure_sensors_free
+from station.operations.arming import (
+    arm,
+    calibration_in_force,
+    ensure_sensors_free,
+    ensure_space_for_session,
+)
 from station.operations.closing import close_all, note
 from station.operations.collaborators import Station
 from station.operations.sensors import sensor_given
@@ -60,6 +65,8 @@ class Sessions:
             If the station has no such sensor.
         StateConflict
             If another recording runs, or the id is of another session.
+        DiskFull
+            If its pictures would not fit on the disk; the id stays free.
         CameraError, RecordingError
             If the sensor cannot record; the session has then failed.
         """
@@ -69,6 +76,7 @@ class Sessions:
             if present is not None:
                 return _view(session, _ensure_same(present, sensor, target)), False
             ensure_sensors_free(session, [settings], f"calibration session {session_id}")
+            ensure_space_for_session(self._station, settings)
             recording = self._add(session, session_id, sensor, target)
         try:
             arm(self._station, recording, owner=session_id, trigger=Trigger.SOFTWARE)
@@ -161,7 +169,7 @@ class Sessions:
         self, session_id: str, wanted: SessionState, reason: str | None = None
     ) -> SessionView:
         view = self.view(session_id)
-        expected = {view.row.sensor: view.row.pictures}
+        expected = self._expected(view.row)
         accounts = close_all(self._station, view.recordings, expected)
         with self._station.store.change() as session:
             row = the(session, CalibrationSession, session_id)
@@ -172,6 +180,12 @@ class Sessions:
                 note(recording, accounts[recording.id], expected[recording.sensor])
             _step(row, wanted)
             return _view(session, row)
+
+    def _expected(self, row: CalibrationSession) -> dict[str, int | None]:
+        """Return how many frames were commanded; the capture process counts those of sequences."""
+        sensor = self._station.settings.sensor(row.sensor)
+        in_sequences = sensor is not None and bool(sensor.calibration_exposures)
+        return {row.sensor: None if in_sequences else row.pictures}
 
     def _still_open(self, row: CalibrationSession) -> bool:
         capture = self._station.captures.get(row.sensor)

@@ -20,7 +20,7 @@ from station.documents import (
     points_csv,
 )
 from station.errors import InputUnusable
-from station.pictures import RECORDING_SUFFIX, pictures_of
+from station.pipeline.frames import files_of
 from station.pipeline.observe import Observations, observe_sources
 from station.pipeline.quality import gates
 from station.progress import Progress, silent
@@ -188,10 +188,8 @@ def _poses(answer: Calibration) -> tuple[PoseDocument, ...]:
 
 def fingerprints(sources: Sequence[Path]) -> tuple[InputFile, ...]:
     """Name and SHA-256 of every file that the sources stand for."""
-    files: list[Path] = []
-    for source in sources:
-        single = source.suffix.lower() in {RECORDING_SUFFIX, ".csv"}
-        files += [source] if single else pictures_of(source)
+    tables = [source for source in sources if source.suffix.lower() == ".csv"]
+    files = tables + files_of([source for source in sources if source not in tables])
     return tuple(InputFile(name=path.name, sha256=sha256_of(path)) for path in files)
 
 

@@ -2,8 +2,10 @@
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import TypeVar
 
@@ -14,6 +16,45 @@ _START_S = 2.0
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True, slots=True)
+class Cores:
+    """Where work is done: in processes of their own, or here where that is sooner done."""
+
+    pool: ProcessPoolExecutor | None
+    ahead: int = 0
+    """How many tasks are taken before the first answer is given."""
+
+    def map(self, work: Callable[[Task], Answer], tasks: Iterable[Task]) -> Iterator[Answer]:
+        """Yield ``work(task)`` in order; tasks are taken one by one, a few ahead of the answers.
+
+        The tasks may themselves be the answers of another map on the same cores.
+        """
+        if self.pool is None:
+            yield from map(work, tasks)
+            return
+        flying: deque[Future[Answer]] = deque()
+        for task in tasks:
+            flying.append(self.pool.submit(work, task))
+            if len(flying) > self.ahead:
+                yield flying.popleft().result()
+        while flying:
+            yield flying.popleft().result()
+
+
+@contextmanager
+def all_cores(*, alone_s: float) -> Generator[Cores]:
+    """Give work to all cores while the block runs; `alone_s` is what one would take, about."""
+    count = len(os.sched_getaffinity(0))
+    if alone_s < alone_s / count + _START_S:
+        yield Cores(None)
+        return
+    # Spawned, not forked: the callers hold threads.
+    with ProcessPoolExecutor(
+        count, mp_context=get_context("spawn"), initializer=cv2.setNumThreads, initargs=(1,)
+    ) as pool:
+        yield Cores(pool, ahead=2 * count)
 
 
 def map_on_all_cores(
@@ -32,19 +73,5 @@ def map_on_all_cores(
     seconds_each
         What one takes, about.
     """
-    cores = len(os.sched_getaffinity(0))
-    alone_s = count * seconds_each
-    if alone_s < alone_s / cores + _START_S:
-        yield from map(work, tasks)
-        return
-    # Spawned, not forked: the callers hold threads.
-    with ProcessPoolExecutor(
-        cores, mp_context=get_context("spawn"), initializer=cv2.setNumThreads, initargs=(1,)
-    ) as pool:
-        flying: deque[Future[Answer]] = deque()
-        for task in tasks:
-            flying.append(pool.submit(work, task))
-            if len(flying) > 2 * cores:
-                yield flying.popleft().result()
-        while flying:
-            yield flying.popleft().result()
+    with all_cores(alone_s=count * seconds_each) as cores:
+        yield from cores.map(work, tasks)

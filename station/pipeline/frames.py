@@ -8,9 +8,11 @@ from pathlib import Path
 from calib import Picture
 from station.errors import InputUnusable
 from station.pictures import RECORDING_SUFFIX, pictures_of, read_picture
+from station.pipeline.exposures import Exposure, exposures_in
 from station.pipeline.naming import distinct_names
 from station.recording import frames as recorded_frames
 from station.recording import info as recording_info
+from station.recording import whole_recordings
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,7 +22,8 @@ class Frame:
     No two frames of the sources read together have the same `name`: where files share theirs, it
     has as much of their folders as tells them apart. `number` is its id in a recording, or its
     place among pictures; `time_ns` is the camera's UTC time where known; `sensor` is the
-    recording's sensor where known.
+    recording's sensor where known; `exposure` is how it was taken, where it is of an exposure
+    sequence.
     """
 
     name: str
@@ -29,6 +32,7 @@ class Frame:
     picture: Picture
     sensor: str | None = None
     time_ns: int | None = None
+    exposure: Exposure | None = None
 
 
 def read_frames(sources: Sequence[Path]) -> Iterator[Frame]:
@@ -41,27 +45,46 @@ def read_frames(sources: Sequence[Path]) -> Iterator[Frame]:
     RecordingUnreadable
         If a recording is damaged.
     """
-    files = [_files_of(source) for source in sources]
-    names = iter(distinct_names([path for group in files for path in group]))
-    for source, group in zip(sources, files, strict=True):
-        if _is_recording(source):
-            yield from _frames_of_recording(source, next(names))
+    groups = files_by_source(sources)
+    names = iter(distinct_names([path for group in groups for path in group]))
+    for source, group in zip(sources, groups, strict=True):
+        if is_recording(source):
+            for part in group:
+                yield from _frames_of_recording(part, next(names))
         else:
             yield from _frames_of_pictures(group, names)
 
 
-def _files_of(source: Path) -> list[Path]:
-    return [source] if _is_recording(source) else pictures_of(source)
+def files_of(sources: Sequence[Path]) -> list[Path]:
+    """Return the files that sources stand for: pictures, and all files of a recording, in order.
+
+    Raises
+    ------
+    InputUnusable
+        If a source cannot be used.
+    RecordingUnreadable
+        If a recording is damaged, or a file that it goes on in is missing.
+    """
+    return [path for group in files_by_source(sources) for path in group]
 
 
-def _is_recording(source: Path) -> bool:
+def files_by_source(sources: Sequence[Path]) -> list[Sequence[Path]]:
+    """Return the files of each source; none where it is a later file of another one."""
+    recordings = whole_recordings([source for source in sources if is_recording(source)])
+    parts = {group[0]: group for group in recordings}
+    return [
+        parts.get(source, ()) if is_recording(source) else pictures_of(source) for source in sources
+    ]
+
+
+def is_recording(source: Path) -> bool:
+    """Return whether a source is a recording, by its name."""
     return source.suffix.lower() == RECORDING_SUFFIX
 
 
 def _frames_of_recording(path: Path, name: str) -> Iterator[Frame]:
-    if not path.exists():
-        raise InputUnusable(f"{path}: no such file; give a recording that exists")
     times: Counter[int] = Counter()
+    exposures = exposures_in(path)
     for recorded in recorded_frames(path):
         times[recorded.frame_id] += 1
         # A camera that was started again, and a second one, number from 1 again.
@@ -73,6 +96,7 @@ def _frames_of_recording(path: Path, name: str) -> Iterator[Frame]:
             picture=recorded.picture,
             sensor=recorded.sensor,
             time_ns=recorded.camera_time_ns,
+            exposure=exposures.get((recorded.frame_id, times[recorded.frame_id])),
         )
 
 
@@ -91,10 +115,8 @@ def count_frames(sources: Sequence[Path]) -> int:
     RecordingUnreadable
         If a recording is damaged.
     """
-    count = 0
-    for source in sources:
-        count += _frames_recorded(source) if _is_recording(source) else len(pictures_of(source))
-    return max(count, 1)
+    files = files_of(sources)
+    return max(sum(_frames_recorded(path) if is_recording(path) else 1 for path in files), 1)
 
 
 def _frames_recorded(path: Path) -> int:

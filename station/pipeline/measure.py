@@ -1,32 +1,21 @@
 """From frames of passing wheels to results.json."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from calib import LaserSensor, Picture, StripePoints, locate_stripe
-from measure import (
-    Mounting,
-    ReferenceProfile,
-    WheelFrame,
-    group_into_wheels,
-    measure_wheel,
-)
-from station.documents import (
-    CalibrationDocument,
-    MeasurementDocument,
-    WheelDocument,
-    wheel_document,
-)
+from measure import WheelFrame, each_wheel
+from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
 from station.errors import InputUnusable
-from station.pipeline.cores import map_on_all_cores
-from station.pipeline.frames import Frame, count_frames, read_frames
-from station.pipeline.references import load_reference
+from station.pipeline.batches import Batch, batches_of
+from station.pipeline.cores import Cores, all_cores
+from station.pipeline.frames import count_frames
+from station.pipeline.gauge import UnreadBatch, WheelGauge
 from station.progress import Progress, silent
 from station.software import SOFTWARE
 
-_STRIPE_S = 0.02
-"""What locating the stripe in one frame takes."""
+FRAME_S = 0.025
+"""What reading a frame, locating its stripe and measuring the wheel in it take."""
 
 
 def measure_sources(
@@ -50,85 +39,60 @@ def measure_sources(
     """
     if not sources:
         raise InputUnusable("no SOURCE given; give recordings, pictures or folders")
-    profile = load_reference(reference)
-    sensor = calibration.laser_sensor()
-    mounting = _mounting(calibration)
-    frames = _with_stripes(sources, sensor, calibration.sensor, progress)
+    gauge = WheelGauge.of(calibration, reference)
+    total = count_frames(sources)
+
+    def refuse(unread: UnreadBatch) -> None:
+        raise unread.error
+
+    def report(done: int) -> None:
+        progress(done / total, f"frame {done} of {total}")
+
+    with all_cores(alone_s=total * FRAME_S) as cores:
+        wheels = tuple(
+            measured_wheels(batches_of(sources), gauge, cores, unread=refuse, frames_done=report)
+        )
     return MeasurementDocument(
         created=datetime.now(UTC),
         software=SOFTWARE,
         calibration=calibration.fingerprint,
-        reference=profile.name,
-        wheels=tuple(
-            _measure(wheel, sensor, profile, mounting, calibration.sensor)
-            for wheel in group_into_wheels(list(frames))
-        ),
+        reference=gauge.reference.name,
+        wheels=wheels,
     )
 
 
-def _mounting(calibration: CalibrationDocument) -> Mounting | None:
-    if calibration.mounting is None:
-        return None
-    return Mounting(
-        rig_from_camera=calibration.mounting.rig_from_camera(),
-        wheel_radius_mm=calibration.mounting.wheel_radius_mm,
-    )
+def measured_wheels(
+    batches: Iterable[Batch],
+    gauge: WheelGauge,
+    cores: Cores,
+    *,
+    unread: Callable[[UnreadBatch], None],
+    frames_done: Callable[[int], None],
+) -> Iterator[WheelDocument]:
+    """Measure wheel after wheel, in order, with the stripes of a few in memory.
 
+    Parameters
+    ----------
+    batches
+        Frames in the order they were taken; taken a few ahead of the wheels.
+    gauge
+        What to measure with.
+    cores
+        Where to.
+    unread
+        Called with a batch that could not be read; the work goes on where it returns.
+    frames_done
+        Called with the number of frames in which the stripe has been looked for.
+    """
 
-def _with_stripes(
-    sources: Sequence[Path], sensor: LaserSensor, sensor_id: str, progress: Progress
-) -> Iterator[WheelFrame]:
-    total = count_frames(sources)
-    seen: list[tuple[str, int, int | None]] = []
+    def frames() -> Iterator[WheelFrame]:
+        done = 0
+        for answer in cores.map(gauge.locate, batches):
+            if isinstance(answer, UnreadBatch):
+                unread(answer)
+                continue
+            done += len(answer)
+            frames_done(done)
+            yield from answer
 
-    def pictures() -> Iterator[Picture]:
-        for frame in read_frames(sources):
-            _check(frame, sensor, sensor_id)
-            seen.append((frame.source, frame.number, frame.time_ns))
-            yield frame.picture
-
-    stripes: Iterator[StripePoints] = map_on_all_cores(
-        locate_stripe, pictures(), count=total, seconds_each=_STRIPE_S
-    )
-    for done, stripe in enumerate(stripes):
-        source, number, time_ns = seen[done]
-        progress((done + 1) / total, f"frame {done + 1} of {total}")
-        yield WheelFrame(stripe=stripe, frame=number, source=source, time_ns=time_ns)
-
-
-def _check(frame: Frame, sensor: LaserSensor, sensor_id: str) -> None:
-    height, width = frame.picture.shape
-    if (width, height) != (sensor.camera.width, sensor.camera.height):
-        raise InputUnusable(
-            f"{frame.name} is {width} x {height} px but the calibration is of "
-            f"{sensor.camera.width} x {sensor.camera.height}; give pictures of the same camera"
-        )
-    if frame.sensor not in {None, sensor_id}:
-        raise InputUnusable(
-            f"{frame.name} is of sensor {frame.sensor} but the calibration is of {sensor_id}; "
-            "give the calibration of that sensor"
-        )
-
-
-def _measure(
-    frames: Sequence[WheelFrame],
-    sensor: LaserSensor,
-    reference: ReferenceProfile,
-    mounting: Mounting | None,
-    sensor_id: str,
-) -> WheelDocument:
-    answer = measure_wheel(frames, sensor, reference, mounting=mounting)
-    best = answer.quality.best_frame
-    chosen = next((frame for frame in frames if frame.frame == best), frames[0])
-    return wheel_document(
-        answer,
-        source=chosen.source,
-        sensor=sensor_id,
-        frame=chosen.frame,
-        frames=tuple(frame.frame for frame in frames),
-        time=_utc(chosen.time_ns),
-    )
-
-
-def _utc(time_ns: int | None) -> datetime | None:
-    return None if time_ns is None else datetime.fromtimestamp(time_ns / 1e9, UTC)
+    yield from cores.map(gauge.measure, each_wheel(frames()))

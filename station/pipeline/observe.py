@@ -1,7 +1,8 @@
 """Seeing the target in every picture of the sources, on all cores."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 
 from calib import CalibError, Picture, Target, View, observe_target
@@ -11,7 +12,11 @@ from station.pipeline.cores import map_on_all_cores
 from station.pipeline.distinct_views import named_apart, without_copies
 from station.pipeline.frames import Frame, alike, count_frames, read_frames
 from station.pipeline.naming import distinct_names
+from station.pipeline.observe_group import Shot, observe_group
 from station.progress import Progress, silent
+
+_Pose = tuple[Frame, ...]
+_Task = tuple[_Pose, Target, Picture | None]
 
 _OBSERVE_S = 0.15
 """What seeing the target in one picture takes."""
@@ -112,16 +117,17 @@ def _observe_pictures(
 
     def tasks() -> Iterator[_Task]:
         nonlocal first
-        for frame, off in _paired(sources, laser_off):
-            first = first or frame
-            alike(frame, first)
-            names.append(frame.name)
-            yield frame.picture, target, frame.name, off
+        for pose, off in _paired(sources, laser_off):
+            first = first or pose[0]
+            for frame in pose:
+                alike(frame, first)
+            names.append(pose[0].name)
+            yield pose, target, off
 
     for done, seen in enumerate(
         map_on_all_cores(_observe_one, tasks(), count=total, seconds_each=_OBSERVE_S), start=1
     ):
-        progress(done / total, f"picture {done} of {total}")
+        progress(min(done / total, 1.0), f"picture {done} of {total}")
         if isinstance(seen, View):
             views.append(seen)
         else:
@@ -134,32 +140,51 @@ def _observe_pictures(
 
 def _paired(
     sources: Sequence[Path], laser_off: Sequence[Path]
-) -> Iterator[tuple[Frame, Picture | None]]:
+) -> Iterator[tuple[_Pose, Picture | None]]:
     if not laser_off:
-        for frame in read_frames(sources):
-            yield frame, None
+        for pose in poses_of(read_frames(sources)):
+            yield pose, None
         return
     dark = read_frames(laser_off)
     count = 0
     for count, frame in enumerate(read_frames(sources), start=1):
+        if frame.exposure is not None:
+            raise InputUnusable(
+                f"{frame.name} is of an exposure sequence, which has its own laser-off pictures; "
+                "leave --laser-off out"
+            )
         pair = next(dark, None)
         if pair is None:
             raise InputUnusable(
                 f"only {count - 1} laser-off pictures; allowed: one for every picture, same order"
             )
-        yield frame, alike(pair, frame).picture
+        yield (frame,), alike(pair, frame).picture
     if next(dark, None) is not None:
         raise InputUnusable(
             f"more laser-off pictures than the {count} pictures; allowed: one for every picture"
         )
 
 
-_Task = tuple[Picture, Target, str, Picture | None]
+def poses_of(frames: Iterable[Frame]) -> Iterator[_Pose]:
+    """Yield the frames of each pose together: a group of an exposure sequence, or one frame."""
+    for pose, members in groupby(frames, key=_pose_key):
+        if pose is None:
+            yield from ((frame,) for frame in members)
+        else:
+            yield tuple(members)
+
+
+def _pose_key(frame: Frame) -> tuple[str, int] | None:
+    return None if frame.exposure is None else (frame.source, frame.exposure.group)
 
 
 def _observe_one(task: _Task) -> View | str:
-    picture, target, name, laser_off = task
+    pose, target, laser_off = task
+    name = pose[0].name
+    shots = [Shot(one.name, one.picture, one.exposure) for one in pose if one.exposure is not None]
     try:
-        return observe_target(picture, target, name=name, laser_off=laser_off)
+        if shots:
+            return observe_group(shots, target)
+        return observe_target(pose[0].picture, target, name=name, laser_off=laser_off)
     except CalibError as error:
         return str(error).removeprefix(f"{name}: ")

@@ -1,33 +1,49 @@
 """Recordings: MCAP files of pictures and events, written so that no crash loses what they hold."""
 
 from station.recording.activefile import ACTIVE, active_path
+from station.recording.blocks import FrameBlock, frame_blocks
+from station.recording.compaction import CompactReport, compact, is_compact
 from station.recording.events import LOSSES, Event, EventKind
 from station.recording.frame_ids import id_after, ids_skipped
 from station.recording.info import RecordingInfo, SensorInfo, info
+from station.recording.parts import left_behind, part_path, parts_of, whole_recordings
 from station.recording.reader import RecordedFrame, attachment, events, frames
 from station.recording.recover import RecoveryReport, recover
+from station.recording.rotating import PartsSummary, RotatingWriter, Rotation
 from station.recording.verify import VerifyReport, verify
 from station.recording.writer import RecordingSummary, RecordingWriter
 
 __all__ = [
     "ACTIVE",
     "LOSSES",
+    "CompactReport",
     "Event",
     "EventKind",
+    "FrameBlock",
+    "PartsSummary",
     "RecordedFrame",
     "RecordingInfo",
     "RecordingSummary",
     "RecordingWriter",
     "RecoveryReport",
+    "RotatingWriter",
+    "Rotation",
     "SensorInfo",
     "VerifyReport",
     "active_path",
     "attachment",
+    "compact",
     "events",
+    "frame_blocks",
     "frames",
     "id_after",
     "ids_skipped",
     "info",
+    "is_compact",
+    "left_behind",
+    "part_path",
+    "parts_of",
     "recover",
     "verify",
+    "whole_recordings",
 ]

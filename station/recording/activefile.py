@@ -1,6 +1,7 @@
 """A file being recorded: NAME.active, locked, put on the disk every second, renamed when whole."""
 
 import contextlib
+import errno
 import fcntl
 import os
 import threading
@@ -76,6 +77,12 @@ class ActiveFile:
             yield
         except OSError as error:
             raise _failed(self.path, error, "written") from error
+
+    def ensure_space(self, needed_bytes: int) -> None:
+        """Raise what the system does of a full disk where less than that is left for this user."""
+        disk = os.fstatvfs(self.descriptor)
+        if disk.f_bavail * disk.f_frsize < needed_bytes:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def publish(self) -> None:
         """Put everything on the disk, close, and give the file its name."""

@@ -10,12 +10,13 @@ import errno
 import os
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from mcap.opcode import Opcode
 from mcap.records import ChunkIndex, Header, McapRecord
 
+from station.recording.chunks import StoredMessage, messages, read_chunk
 from station.recording.crc import joined_crc
 from station.recording.index import FileIndex, IndexedChunk
 from station.recording.layout import CHUNK_START, MAGIC, MESSAGE_START, PREFIX, encoded
@@ -72,6 +73,12 @@ class McapAppender:
     def size(self) -> int:
         """Bytes written."""
         return self._end
+
+    def messages_on(self, channel: int | None) -> Iterator[StoredMessage]:
+        """Yield the messages of a channel, read back from the file."""
+        for chunk in self.index.chunks:
+            if channel in chunk.counts:
+                yield from messages(read_chunk(self._descriptor, chunk.index))
 
     def add(self, record: McapRecord) -> None:
         """Append a record at the top level: a schema, a channel, metadata, an attachment."""

@@ -1,7 +1,8 @@
 """What happened while recording: every loss, refusal and interruption, as it goes into the file."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
@@ -29,8 +30,24 @@ class EventKind(StrEnum):
     """Frames met no free place between camera and disk."""
     CAMERA_LOST = "camera_lost"
     """The camera stopped answering."""
+    CAMERA_TAKEN = "camera_taken"
+    """Another program took control of the camera."""
     CAMERA_BACK = "camera_back"
     """The camera was opened again; what it exposed in between is unknown."""
+    CONTINUED_FROM = "continued_from"
+    """The file goes on with a recording that began in another file."""
+    CONTINUED_IN = "continued_in"
+    """The recording goes on in a next file."""
+    CLOCK_MISSING = "clock_missing"
+    """The camera has no clock: times are those of reception."""
+    CLOCK_SET = "clock_set"
+    """The camera's clock was set anew; its offset is measured from here on."""
+    PACKET_SIZE = "packet_size"
+    """Packets of the size asked for do not come through, or are not proved to."""
+    RECEIVE_BUFFER = "receive_buffer"
+    """The system grants too little room for packets that wait: frames may be lost."""
+    EXPOSED = "exposed"
+    """How a frame of an exposure sequence was taken: see `values`."""
     RECORDER_RESTARTED = "recorder_restarted"
     """The recorder died and another went on with its file."""
     CAPTURE_LOST = "capture_lost"
@@ -51,8 +68,10 @@ LOSSES = frozenset({
     EventKind.FRAMES_DROPPED,
     EventKind.FRAMES_MISCOUNTED,
     EventKind.CAMERA_LOST,
+    EventKind.CAMERA_TAKEN,
     EventKind.CAPTURE_LOST,
     EventKind.DISK_FULL,
+    EventKind.RECORDER_FAILED,
     EventKind.RECOVERED,
 })
 """A recording with one of these is not complete."""
@@ -69,6 +88,10 @@ EVENT_SCHEMA = json.dumps({
         },
         "count": {"type": "integer", "description": "frames (or packets) concerned"},
         "detail": {"type": "string"},
+        "values": {
+            "type": "object",
+            "description": "of an `exposed` frame: exposure_us, gain_db, laser, group, step",
+        },
     },
     "required": ["kind", "frame_id", "count", "detail"],
 }).encode()
@@ -86,6 +109,8 @@ class Event:
     """The first frame concerned, as the camera numbers them."""
     count: int = 0
     """How many frames (or packets) it concerns."""
+    values: Mapping[str, float] = field(default_factory=dict)
+    """Numbers by name, where the kind has some."""
 
     def __post_init__(self) -> None:
         if not (self.time_ns >= 0 and self.count >= 0):
@@ -93,12 +118,9 @@ class Event:
 
     def message(self) -> bytes:
         """Return the body of the event's message in a recording."""
-        return json.dumps({
-            "kind": self.kind,
-            "frame_id": self.frame_id,
-            "count": self.count,
-            "detail": self.detail,
-        }).encode()
+        fields = self.to_json()
+        del fields["time_ns"]
+        return json.dumps(fields).encode()
 
     @classmethod
     def from_message(cls, body: bytes | memoryview, time_ns: int) -> "Event":
@@ -108,13 +130,14 @@ class Event:
 
     def to_json(self) -> dict[str, Any]:
         """Return the event as JSON carries it between processes."""
-        return {
+        fields = {
             "kind": str(self.kind),
             "time_ns": self.time_ns,
             "detail": self.detail,
             "frame_id": self.frame_id,
             "count": self.count,
         }
+        return fields | ({"values": dict(self.values)} if self.values else {})
 
     @classmethod
     def from_json(cls, fields: dict[str, Any]) -> "Event":
@@ -126,6 +149,7 @@ class Event:
                 str(fields["detail"]),
                 fields["frame_id"],
                 int(fields["count"]),
+                dict(fields.get("values", {})),
             )
         except (KeyError, TypeError) as error:
             raise ValueError(f"not an event: {fields!r}") from error

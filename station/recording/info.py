@@ -6,6 +6,7 @@ from typing import Any
 
 from station.recording.opening import Recording, open_recording
 from station.recording.reader import metadata_of, sensors_in
+from station.recording.soundness import ensure_sound_around_chunks
 from station.recording.topics import Topic, topic_name
 
 
@@ -62,9 +63,10 @@ def info(path: Path) -> RecordingInfo:
     InputUnusable
         If there is no such file.
     RecordingUnreadable
-        If it is not a whole recording.
+        If it is not a whole recording, or damaged elsewhere than in a picture.
     """
     with open_recording(path) as recording:
+        ensure_sound_around_chunks(recording)
         return RecordingInfo(
             path=path,
             size_bytes=recording.size_bytes,

@@ -6,6 +6,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.exceptions import McapError
 from mcap.records import McapRecord
 from mcap.writer import MCAP0_MAGIC
+from zstandard import ZstdError
 
 MAGIC = MCAP0_MAGIC
 """The first and the last eight bytes of a file."""
@@ -19,8 +20,20 @@ FOOTER_BODY = struct.Struct("<QQI")
 """Offset of the summary, of the summary offsets; CRC-32 of both with the footer's start."""
 FOOTER_LENGTH = PREFIX.size + FOOTER_BODY.size
 
-DAMAGED = (struct.error, ValueError, KeyError, McapError, MemoryError, OverflowError)
-"""What decoding damaged bytes can raise; the last two where a length is absurd."""
+DAMAGED = (
+    struct.error,
+    ValueError,
+    KeyError,
+    McapError,
+    ZstdError,
+    RuntimeError,
+    MemoryError,
+    OverflowError,
+)
+"""What decoding damaged bytes can raise.
+
+RuntimeError is lz4's; the last two come where a length is absurd.
+"""
 
 
 def encoded(record: McapRecord) -> bytes:

@@ -17,6 +17,7 @@ from station.recording.events import Event
 from station.recording.layout import DAMAGED, PREFIX
 from station.recording.opening import Recording, open_recording
 from station.recording.rawimage import read_raw_image
+from station.recording.soundness import ensure_sound_around_chunks
 from station.recording.topics import Topic, channels_of, parse_topic
 
 if TYPE_CHECKING:  # importing `calib` would make a new recorder late by half a second
@@ -54,7 +55,7 @@ def frames(
     sensor
         Only this sensor's frames.
     validate
-        Compute the checksum of every chunk; without it a flipped bit passes.
+        Compute the checksums of every chunk and of all around them; without, a flipped bit passes.
 
     Raises
     ------
@@ -64,9 +65,18 @@ def frames(
         If it is not a whole recording, or where it is damaged when that is reached.
     """
     with open_recording(path) as recording:
-        exposures = {name: _exposure_us(recording, name) for name in sensors_in(recording)}
-        for name, message in _stored(recording, Topic.IMAGE, sensor, validate=validate):
-            yield _frame(recording, name, message, exposures[name])
+        if validate:
+            ensure_sound_around_chunks(recording)
+        yield from frames_in(recording, sensor, validate=validate)
+
+
+def frames_in(
+    recording: Recording, sensor: str | None = None, *, validate: bool = True
+) -> Iterator[RecordedFrame]:
+    """Yield the frames in the chunks of an open recording; see `frames`."""
+    exposures = {name: _exposure_us(recording, name) for name in sensors_in(recording)}
+    for name, message in _stored(recording, Topic.IMAGE, sensor, validate=validate):
+        yield _frame(recording, name, message, exposures[name])
 
 
 def events(path: Path, sensor: str | None = None) -> list[Event]:

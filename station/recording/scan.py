@@ -61,11 +61,12 @@ def scan(descriptor: int) -> Scan:
 def without_damaged_tail(descriptor: int, found: Scan) -> Scan:
     """Give up the last chunks as long as they fail their checksum or lack their index.
 
+    Only what ends the file: behind a damaged chunk that others follow, these would be given up too.
     A process killed in the middle of a write leaves at most one such chunk, a host that lost its
     power those of the last second.
     """
     index, end = found.index, found.end
-    while index.chunks and not _is_whole(descriptor, index.chunks[-1]):
+    while index.end_of_last_chunk == end and not _is_whole(descriptor, index.chunks[-1]):
         last = index.chunks.pop()
         index.data_crc, end = last.crc_before, last.index.chunk_start_offset
     return Scan(index, end, found.finished)

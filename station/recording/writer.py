@@ -49,6 +49,8 @@ class RecordingWriter:
         Names and values, by the name of their record: ``station``, ``session``, ``camera``.
     attachments
         Files to put in, by name: the calibration in force.
+    reserve_bytes
+        Space that no frame takes: what else is on the disk, a database, must go on being written.
     resume
         Go on with the unfinished file of a writer that died.
     now_ns
@@ -70,10 +72,12 @@ class RecordingWriter:
         *,
         metadata: Mapping[str, Mapping[str, str]] | None = None,
         attachments: Mapping[str, bytes] | None = None,
+        reserve_bytes: int = 0,
         resume: bool = False,
         now_ns: Callable[[], int] = time.time_ns,
     ) -> None:
         self._now_ns = now_ns
+        self._reserve_bytes = reserve_bytes
         self._summary: RecordingSummary | None = None
         self._file = ActiveFile.reopen(path) if resume else ActiveFile.create(path)
         self._appender = self._started(resume=resume)
@@ -150,6 +154,24 @@ class RecordingWriter:
         """Return how many events of a sensor the recording holds."""
         return self._appender.index.messages_on(topic_name(sensor, Topic.EVENTS))
 
+    def events_of(self, sensor: str) -> list[Event]:
+        """Return the events of a sensor that the recording holds, read back from it."""
+        channel = self._appender.index.channel_of(topic_name(sensor, Topic.EVENTS))
+        return [
+            Event.from_message(message.data, message.log_time_ns)
+            for message in self._appender.messages_on(channel)
+        ]
+
+    @property
+    def metadata_names(self) -> set[str]:
+        """Names of the metadata records written."""
+        return self._appender.index.metadata_names
+
+    @property
+    def size_bytes(self) -> int:
+        """Bytes written so far."""
+        return self._appender.size
+
     def finish(self) -> RecordingSummary:
         """Write the summary, put all on the disk, and give the file its name; twice is once."""
         if self._summary is None:
@@ -160,6 +182,13 @@ class RecordingWriter:
         """Take the recording back: nothing of it is left."""
         self._file.abandon()
         active_path(self.path).unlink()
+
+    def remove(self) -> None:
+        """Take the recording back, even where a full disk has ended it: nothing of it is left."""
+        if self._summary is None:
+            self.discard()
+        else:
+            self.path.unlink()
 
     def _started(self, *, resume: bool) -> McapAppender:
         descriptor = self._file.descriptor
@@ -182,6 +211,8 @@ class RecordingWriter:
         parts: tuple[Buffer, ...],
     ) -> None:
         with self._writing():
+            if topic is Topic.IMAGE:
+                self._file.ensure_space(sum(map(len, parts)) + self._reserve_bytes)
             channel = self._channel(sensor, topic)
             message = Message(channel, sequence, log_time_ns, publish_time_ns, parts)
             self._appender.add_message(message)

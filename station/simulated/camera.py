@@ -25,6 +25,7 @@ VENDOR = "Treadline"
 MODEL = "Simulated NIR camera"
 _DATAGRAM_BYTES = 2048
 _STOP_TIMEOUT_S = 10.0
+_ANOTHER_PROGRAM = ("192.0.2.1", 1)  # an address of nobody: RFC 5737
 
 
 class SimulatedCamera:
@@ -160,6 +161,15 @@ class SimulatedCamera:
     def thaw(self) -> None:
         """Answer and send again."""
         self._running().frozen = False
+
+    def oust(self) -> None:
+        """Take control from whoever has it, for another program that then falls silent."""
+        self._running().control.oust(_ANOTHER_PROGRAM)
+
+    @property
+    def played_out(self) -> bool:
+        """It has shown the last picture of what it played, and whoever received it has stopped."""
+        return self._device is not None and self._device.acquisition.played_out
 
     def statistics(self) -> Statistics:
         """Return what the camera has done since `start`, also after `stop`."""

@@ -66,6 +66,13 @@ class ControlChannel:
         timeout_s = self._memory.get(reg.HEARTBEAT_TIMEOUT) * 1e-3
         return self._heard_s + timeout_s - self._monotonic_s()
 
+    def oust(self, holder: Sender) -> None:
+        """Give control to another client, as after a silence in which that one asked for it."""
+        self._release()
+        self._memory.put(reg.CONTROL_PRIVILEGE, reg.Privilege.CONTROL)
+        self._controller = holder
+        self._heard_s = self._monotonic_s()
+
     def expire(self) -> None:
         """Take control from a client that has been silent too long."""
         left_s = self.seconds_to_expiry()

@@ -5,6 +5,7 @@ import time
 from dataclasses import dataclass
 from ipaddress import IPv4Address
 
+import cv2
 import numpy as np
 
 from calib import Picture
@@ -12,12 +13,14 @@ from station.simulated import registers as reg
 from station.simulated.acquisition import Acquisition, Exposure, ExposureSettings
 from station.simulated.control import ControlChannel
 from station.simulated.counters import Statistics
+from station.simulated.device_clock import DeviceClock
 from station.simulated.faults import FaultInjector, Faults
 from station.simulated.gvcp import ResendRequest
 from station.simulated.gvsp import BlockHeader
 from station.simulated.identity import Identity
 from station.simulated.memory import CameraMemory
-from station.simulated.sources import FrameSource
+from station.simulated.playback import Playback
+from station.simulated.sources import FrameSource, LaserSwitched
 from station.simulated.stream import StreamChannel
 
 _PICTURES_ON_THEIR_WAY = 64
@@ -29,12 +32,13 @@ class DeviceOptions:
 
     `frame_rate_hz` is what AcquisitionFrameRate says at the start; `resend_frames` is how many
     pictures are kept for sending packets again; `first_block_id` lets a test begin just before
-    block ids wrap.
+    block ids wrap. `clock` is how its clock goes; a camera without one has tick frequency 0.
     """
 
     frame_rate_hz: float = 53.0
     resend_frames: int = 16
     first_block_id: int = 1
+    clock: DeviceClock = DeviceClock()
 
     def __post_init__(self) -> None:
         if not (reg.MIN_FRAME_RATE_HZ <= self.frame_rate_hz <= reg.MAX_FRAME_RATE_HZ):
@@ -67,7 +71,11 @@ class Device:
         self.acquisition = Acquisition(
             lambda: ExposureSettings.of(self.memory, options.frame_rate_hz),
             first_block_id=options.first_block_id,
+            playback=source if isinstance(source, Playback) else None,
         )
+        self._clock = options.clock
+        if not options.clock.ticks:
+            self.memory.put(reg.TICK_FREQUENCY_LOW, 0)
         self.memory.is_acquiring = lambda: self.acquisition.running
         self._stream = StreamChannel(
             identity.address, self._faults, self._counters, resend_frames=options.resend_frames
@@ -92,13 +100,25 @@ class Device:
         """Take pictures until closed."""
         try:
             while exposure := self.acquisition.next_exposure():
-                settings = exposure.settings
-                picture = self._source.frame(exposure.index, settings.gained_exposure_us)
+                picture = exposure.picture
+                if picture is None:
+                    picture = self._look(exposure.index, exposure.settings)
                 self._check(picture)
                 self._ready.put((exposure, picture))
         finally:
             self.acquisition.close()
             self._ready.put(None)
+
+    def _look(self, index: int, settings: ExposureSettings) -> Picture:
+        source, exposure_us = self._source, settings.gained_exposure_us
+        if settings.laser or not isinstance(source, LaserSwitched):
+            picture = source.frame(index, exposure_us)
+        else:
+            picture = source.frame_laser_off(index, exposure_us)
+        if settings.black_level > 0.0:
+            level = settings.black_level
+            picture = np.asarray(cv2.convertScaleAbs(picture, beta=level), dtype=np.uint8)
+        return picture
 
     def transmit_forever(self) -> None:
         """Send pictures until no more come."""
@@ -142,7 +162,8 @@ class Device:
         if lost or outdated or self.frozen:
             return False
         region = exposure.settings.region
-        header = BlockHeader(exposure.block_id, exposure.timestamp_ns, region)
+        camera_ns = self._clock.camera_ns(exposure.timestamp_ns)
+        header = BlockHeader(exposure.block_id, camera_ns, region)
         return self._stream.send_frame(
             header,
             region.cut(picture),
@@ -168,6 +189,6 @@ class Device:
             self._stream.send_test_packet(value & reg.SCPS_SIZE_MASK)
 
     def _latch_timestamp(self) -> None:
-        now_ns = time.time_ns()
+        now_ns = self._clock.camera_ns(time.time_ns())
         self.memory.put(reg.TIMESTAMP_HIGH, now_ns >> 32)
         self.memory.put(reg.TIMESTAMP_LOW, now_ns & 0xFFFF_FFFF)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 MAX_DELAY_S = 1.0  # the pictures on their way must fit into memory
+LARGEST_PACKET_BYTES = 65_535
 _REACH = 8  # a late packet is overtaken by at most so many others
 
 
@@ -24,6 +25,9 @@ class Faults:
         Pictures of which nothing is sent, counted in exposures since the device started, from 0.
     delay_s
         Time from the end of an exposure to its first packet, s.
+    path_bytes
+        Packets larger than this, with their IP and UDP headers, do not arrive: a switch on the way
+        has a smaller MTU.
     seed
         Same seed, same faults.
     """
@@ -34,6 +38,7 @@ class Faults:
     frame_loss: float = 0.0
     lost_frames: frozenset[int] = frozenset()
     delay_s: float = 0.0
+    path_bytes: int = LARGEST_PACKET_BYTES
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -43,6 +48,10 @@ class Faults:
                 raise ValueError(f"{name} must be a probability, 0 to 1, got {value}")
         if not (0.0 <= self.delay_s <= MAX_DELAY_S):
             raise ValueError(f"delay_s must be 0 to {MAX_DELAY_S} s, got {self.delay_s}")
+        if not (68 <= self.path_bytes <= LARGEST_PACKET_BYTES):
+            raise ValueError(
+                f"path_bytes must be 68 to {LARGEST_PACKET_BYTES}, got {self.path_bytes}"
+            )
         if not (self.seed >= 0):
             raise ValueError(f"seed must not be negative, got {self.seed}")
 
@@ -76,6 +85,10 @@ class FaultInjector:
             np.argsort(np.arange(len(packets)) + lateness, kind="stable")
         ].tolist()
         return order
+
+    def blocks(self, packet_bytes: int) -> bool:
+        """Return whether packets of this size, headers included, do not pass."""
+        return packet_bytes > self._faults.path_bytes
 
     def loses_resent_packet(self) -> bool:
         """Return whether a packet sent again on request is dropped too."""

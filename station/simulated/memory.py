@@ -174,4 +174,5 @@ def _defaults(width: int, height: int) -> dict[reg.Register, int]:
         reg.PIXEL_FORMAT: MONO8,
         reg.ACQUISITION_FRAME_COUNT: 1,
         reg.FRAME_RATE_ENABLE: 1,
+        reg.USER_OUTPUT: 1,  # the laser shines until it is switched off
     }

@@ -128,6 +128,10 @@ class SimulatedCameraProcess:
         """Answer and send again."""
         self._ask("thaw")
 
+    def oust(self) -> None:
+        """Take control from whoever has it; see `SimulatedCamera.oust`."""
+        self._ask("oust")
+
     def statistics(self) -> Statistics:
         """Return what the camera has done; after `stop`, what it had done by then."""
         if self._process is not None:

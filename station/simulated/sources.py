@@ -1,7 +1,7 @@
 """What a simulated camera looks at."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -37,6 +37,14 @@ class FrameSource(Protocol):
         Picture
             Shape (height, width), uint8.
         """
+
+
+@runtime_checkable
+class LaserSwitched(Protocol):
+    """A source whose laser can be switched off; others show the same with and without."""
+
+    def frame_laser_off(self, index: int, exposure_us: float) -> Picture:
+        """Return the picture of one exposure with the laser off; see `FrameSource.frame`."""
 
 
 class ArraySource:

@@ -132,6 +132,8 @@ class StreamChannel:
             self._send_packet(encode_unavailable(request.block_id, packet_id))
 
     def _send_packet_again(self, packet: memoryview) -> None:
+        if self._faults.blocks(len(packet) + IP_UDP_BYTES):
+            return
         if self._faults.loses_resent_packet():
             self._counters.dropped_resends += 1
             return
@@ -142,5 +144,7 @@ class StreamChannel:
     def _send_packet(self, packet: bytes | memoryview) -> None:
         # A receiver that has gone answers with ICMP, which shows as an error here. To a real
         # camera that packet is simply sent.
+        if self._faults.blocks(len(packet) + IP_UDP_BYTES):
+            return
         with contextlib.suppress(OSError):
             self._socket.send(packet)

@@ -5,6 +5,7 @@ session`` reads one moment.  The functions here take such a session.
 """
 
 from station.store.activations import activate, active
+from station.store.disposal import disposable_recordings, measured_recordings
 from station.store.engine import Store, sqlite_url
 from station.store.jobs import (
     JobKind,
@@ -99,9 +100,11 @@ __all__ = [
     "caller_of",
     "counts_by_state",
     "digest",
+    "disposable_recordings",
     "frame_totals",
     "end",
     "ensure_unguessable",
+    "measured_recordings",
     "measurements_page",
     "migrate",
     "open_sessions",

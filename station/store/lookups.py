@@ -142,8 +142,11 @@ def measurements_page(
     return _page(session, query, limit)
 
 
-def frame_totals(session: Session) -> dict[str, int]:
-    """Return the frames of all recordings, by what became of them."""
+def frame_totals(session: Session) -> dict[tuple[str, str], int]:
+    """Return the frames of all recordings, by sensor and by what became of them."""
     fates = ("recorded", "lost", "repeated", "refused")
     columns = [func.coalesce(func.sum(getattr(Recording, fate)), 0) for fate in fates]
-    return dict(zip(fates, session.execute(select(*columns)).one(), strict=True))
+    rows = session.execute(select(Recording.sensor, *columns).group_by(Recording.sensor))
+    return {
+        (row[0], fate): count for row in rows for fate, count in zip(fates, row[1:], strict=True)
+    }

@@ -115,6 +115,9 @@ class Recording(Table):
     complete: Mapped[bool | None]
     recovered: Mapped[bool] = mapped_column(default=False)
     summary: Mapped[str | None] = mapped_column(Text)
+    files: Mapped[int | None]  # a long recording goes on in a next one
+    deleted_at: Mapped[datetime | None]
+    deleted_why: Mapped[str | None] = mapped_column(Text)
 
 
 class Calibration(Table):

@@ -1,18 +1,22 @@
 """The worker process: runs the jobs until it is told to stop."""
 
+import math
 import signal
 import threading
+import time
 
 import structlog
 
 from station.operations import DataLayout
 from station.settings import StationSettings
+from station.storage import tidy
 from station.store import Store
 from station.worker.context import CalibrateSources, MeasureSources, WorkContext
 from station.worker.lock import held
 from station.worker.workflows import Workflows
 
 _SWEEP_S = 1.0
+_TIDY_S = 300.0
 _PATIENCE_S = 10
 _log = structlog.get_logger()
 
@@ -30,14 +34,26 @@ def work(
     context = WorkContext(settings, store, layout, calibrate, measure)
     workflows = Workflows(context)
     workflows.launch()
+    tidied_s = -math.inf
     # Held only from here on: whoever asks whether the worker is ready asks for the lock.
     with held(layout.worker_lock, "a worker"):
         _log.info("worker ready")
         while not stop.is_set():
             workflows.take_in()
+            if time.monotonic() - tidied_s >= _TIDY_S:
+                _tidy(context)
+                tidied_s = time.monotonic()
             stop.wait(_SWEEP_S)
         workflows.stop(_PATIENCE_S)
     store.close()
+
+
+def _tidy(context: WorkContext) -> None:
+    """Delete what is to make way; a disk that refuses must not end the worker."""
+    try:
+        tidy(context.store, context.layout.root, context.settings.storage, context.now())
+    except OSError as error:
+        _log.warning("disk not tidied", why=str(error))
 
 
 def run_worker(settings: StationSettings) -> None:

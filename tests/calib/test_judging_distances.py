@@ -61,6 +61,14 @@ def test_homography_is_free_of_the_shift_of_disc_centroids(rng):
     np.testing.assert_allclose(seen, true[:, :2] / true[:, 2:], atol=3e-7)
 
 
+def test_a_radius_as_seen_serves_where_the_target_tells_none(rng):
+    view, _ = view_of(rng, DISCS)
+    untold = replace(DISCS, diameter_mm=None)
+    seen = replace(view, dot_radius=0.5 * DISCS.diameter_mm / DISCS.pitch_mm)
+    told = board_homography(view, DISCS, PAPER_SENSOR.camera)
+    np.testing.assert_array_equal(board_homography(seen, untold, PAPER_SENSOR.camera), told)
+
+
 def test_one_displaced_dot_moves_no_distance(rng):
     view, _ = view_of(rng)
     quiet = noisy(view, rng, 0.02, 0.02)

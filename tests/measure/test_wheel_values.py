@@ -15,8 +15,10 @@ from measure import (
     Reading,
     Status,
     WheelFrame,
+    each_wheel,
     group_into_wheels,
 )
+from measure.grouping import MOST_FRAMES
 
 
 @pytest.mark.parametrize(
@@ -110,6 +112,25 @@ def test_a_new_source_or_a_clock_that_jumps_back_starts_a_new_wheel():
 
 def test_no_frames_make_no_wheels():
     assert group_into_wheels([]) == ()
+
+
+def test_a_wheel_that_stands_before_the_camera_is_thinned_evenly():
+    at = np.arange(3 * MOST_FRAMES) / 53.0
+    ((*kept,),) = group_into_wheels(frames(at))
+    assert MOST_FRAMES / 2 < len(kept) <= MOST_FRAMES
+    assert set(np.diff([frame.frame for frame in kept])) == {4}
+
+
+def test_wheels_are_yielded_while_frames_come():
+    taken = []
+
+    def coming():
+        for frame in frames(np.arange(9) / 53.0, [True, True, False] * 3):
+            taken.append(frame.frame)
+            yield frame
+
+    assert [frame.frame for frame in next(each_wheel(coming()))] == [0, 1]
+    assert taken == [0, 1, 2]  # the third frame shows that the first wheel has passed
 
 
 def test_a_gap_without_sense_is_refused():

@@ -2,7 +2,8 @@
 
 It shares nothing with the station's scenes but OpenCV's meaning of a camera: a flat board, two by
 two samples a pixel, a sheet of light with a profile, glare painted over the picture, a sensor.
-What no lens does (hard patches, JPEG, gamma) is there on purpose: pictures from elsewhere have it.
+What no lens does (hard patches, JPEG, gamma) is there on purpose: pictures from elsewhere have it,
+as they have paper that is not flat, hands that shake, speckle, and a shadow across the board.
 """
 
 from dataclasses import dataclass, field
@@ -32,10 +33,16 @@ class Look:
     dot_counts: float = 160.0
     board_counts: float = 25.0
     laser_counts: float = 150.0
+    glow_sigma_mm: float = 0.0  # a bare LED: a bell of light in place of a disc
+    bow_mm: float = 0.0  # how far the board's middle stands up
     laser_sigma_mm: float = 0.4
+    speckle: float = 0.0  # standard deviation over mean
     false_line: str = ""  # cross, parallel: a reflection's, 1.5 times as bright
+    blur_px: float = 0.8
     bloom: float = 0.0
     uneven: float = 0.0  # share of the light lost from one side of the picture to the other
+    shadow: float = 0.0  # share of the light lost behind the edge of a shadow
+    shake_px: float = 0.0  # length of the path that the camera moves by
     glare_counts: float = 0.0
     wall: str = ""  # gravel, checker, holes
     wall_counts: float = 120.0
@@ -133,6 +140,11 @@ def _board(
     depth = (normal @ pose.translation_mm) / (rays @ normal[:2] + normal[2])
     points = np.dstack([rays * depth[..., None], depth])
     place = ((points - pose.translation_mm) @ pose.rotation)[..., :2]
+    if look.bow_mm:
+        middle = 0.5 * (low + high)
+        rise = look.bow_mm * (1.0 - (((place - middle) / (high - middle)) ** 2).mean(axis=2))
+        points = points * (1.0 + rise / (rays @ normal[:2] + normal[2]) / depth)[..., None]
+        place = ((points - pose.translation_mm) @ pose.rotation)[..., :2]
     sample_mm = depth / (_OVERSAMPLING * camera.fx)
     beyond = np.maximum(low - place, place - high).max(axis=2)
     inside = np.clip(0.5 - beyond / sample_mm, 0.0, 1.0)
@@ -156,6 +168,8 @@ def _pattern(look: Look, place: FloatArray, sample_mm: FloatArray) -> tuple[Floa
         white = np.where(squares, 0.5 + 0.5 * edge.prod(axis=2), 1.0)
         albedo = _DARK_ALBEDO + (1.0 - _DARK_ALBEDO) * white
         return look.board_counts * albedo, albedo
+    if look.glow_sigma_mm:
+        return look.board_counts + look.dot_counts * _glow(look, place), np.ones(place.shape[:2])
     centre = pitch * np.clip(np.rint(place / pitch), 0, last)
     radius = 0.5 * (target.diameter_mm or 0.5 * pitch)
     dot = np.clip(0.5 + (radius - np.hypot(*np.moveaxis(place - centre, 2, 0))) / sample_mm, 0, 1)
@@ -163,6 +177,20 @@ def _pattern(look: Look, place: FloatArray, sample_mm: FloatArray) -> tuple[Floa
         albedo = 1.0 - (1.0 - _DARK_ALBEDO) * dot
         return look.board_counts * albedo, albedo
     return look.board_counts + (look.dot_counts - look.board_counts) * dot, 1.0 - 0.4 * dot
+
+
+def _glow(look: Look, place: FloatArray) -> FloatArray:
+    """Return the light of bells, one at each point of the target, that reach into each other."""
+    target = look.target
+    x, y = (
+        np.exp(
+            -0.5
+            * ((place[..., axis, None] - target.pitch_mm * np.arange(count)) / look.glow_sigma_mm)
+            ** 2
+        ).sum(axis=2)
+        for axis, count in ((0, target.cols), (1, target.rows))
+    )
+    return np.asarray(x * y)
 
 
 def _laser(
@@ -177,6 +205,9 @@ def _laser(
         a = RigidTransform.from_rotation_vector([0.0, 0.0, turn], np.zeros(3)).rotation @ a
         off = points @ a - np.median(points[::16, ::16] @ a) + away
         light += 1.5 * look.laser_counts * np.exp(-0.5 * (off / look.laser_sigma_mm) ** 2)
+    if look.speckle:
+        grains = cv2.GaussianBlur(rng.standard_normal(light.shape), (0, 0), 1.5)
+        light *= np.maximum(1.0 + look.speckle * grains / grains.std(), 0.0)
     return np.asarray(light)
 
 
@@ -208,6 +239,10 @@ def _falloff(look: Look, camera: CameraModel, rng: np.random.Generator) -> Image
     angle = rng.uniform(0.0, 2.0 * np.pi)
     along = np.clip(0.5 + 0.7 * (x * np.cos(angle) + y * np.sin(angle)), 0.0, 1.0)
     share = (1.0 - 0.3 * (x**2 + y**2)) * (1.0 - look.uneven * along)
+    if look.shadow:
+        turn = rng.uniform(0.0, 2.0 * np.pi)
+        behind = x * np.cos(turn) + y * np.sin(turn) - rng.uniform(-0.1, 0.1)
+        share *= 1.0 - look.shadow * np.clip(0.5 + behind / 0.02, 0.0, 1.0)
     return np.asarray(share, dtype=np.float32)
 
 
@@ -226,7 +261,11 @@ def _glare(look: Look, camera: CameraModel, rng: np.random.Generator) -> Image:
 
 
 def _blurred(light: Image, look: Look) -> Image:
-    sharp = cv2.GaussianBlur(light, (0, 0), 0.8)
+    sharp = cv2.GaussianBlur(light, (0, 0), look.blur_px)
+    if look.shake_px:
+        # Along a diagonal, so that rows and columns are both concerned.
+        count = round(look.shake_px / np.sqrt(2.0)) | 1
+        sharp = cv2.filter2D(sharp, -1, np.eye(count) / count)
     halo = look.bloom * cv2.GaussianBlur(light, (0, 0), 12.0) if look.bloom else 0.0
     return np.asarray(sharp + halo, dtype=np.float32)
 

@@ -28,11 +28,12 @@ GOOD_MM, BAD_MM = 0.005, 0.02
 
 FULL, SHORT = 20, 5
 DARK = Target.parse("dots:7x8:12:dark:d=6")
+BARE = Target.parse("dots:7x8:12")
 CHESS = Target.parse("chessboard:8x11:10")
 KINDS = {
     "good": (GOOD_MM, Look(stripe="horizontal")),
     "diagonal": (GOOD_MM, Look(target=Target.parse("dots:10x10:10:d=5"), stripe="diagonal")),
-    "diameter-not-told": (GOOD_MM, Look(target=Target.parse("dots:7x8:12"))),
+    "diameter-not-told": (GOOD_MM, Look(target=BARE)),
     "dark-dots": (GOOD_MM, Look(target=DARK, board_counts=120.0)),
     "chessboard": (BAD_MM, Look(target=CHESS, board_counts=120.0, stripe="diagonal")),
     "colour": (
@@ -60,6 +61,45 @@ KINDS = {
     "gravel": (BAD_MM, Look(wall="gravel")),
     "checkered-wall": (BAD_MM, Look(wall="checker")),
     "perforated-wall": (BAD_MM, Look(wall="holes")),
+    "bare-lamps": (GOOD_MM, Look(target=BARE, glow_sigma_mm=1.6, laser_counts=120.0)),
+    "wide-stripe": (BAD_MM, Look(laser_sigma_mm=2.0)),
+    "chessboard-before-checkered-wall": (
+        BAD_MM,
+        Look(target=CHESS, board_counts=120.0, wall="checker"),
+    ),
+    "photograph": (
+        BAD_MM,
+        Look(
+            target=DARK,
+            board_counts=110.0,
+            laser_counts=220.0,
+            laser_sigma_mm=0.6,
+            colour=True,
+            jpeg_quality=85,
+            gamma=2.2,
+            speckle=0.25,
+            uneven=0.4,
+            shadow=0.4,
+            shake_px=3.0,
+            blur_px=1.2,
+            wall="gravel",
+            wall_counts=60.0,
+        ),
+    ),
+    "photograph-of-bowed-paper": (
+        BAD_MM,
+        Look(
+            target=DARK,
+            board_counts=110.0,
+            laser_counts=220.0,
+            laser_sigma_mm=0.6,
+            colour=True,
+            jpeg_quality=85,
+            gamma=2.2,
+            speckle=0.25,
+            bow_mm=0.2,
+        ),
+    ),
 }
 IN_SHORT = (
     "good",
@@ -73,6 +113,8 @@ IN_SHORT = (
     "dim-and-uneven",
     "brighter-false-line",
     "perforated-wall",
+    "bare-lamps",
+    "photograph",
 )
 
 

@@ -5,14 +5,13 @@ import socket
 import threading
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import SimpleNamespace
 
 import httpx
 import pytest
 import uvicorn
 
 from station.api import build_app
-from station.capture import CaptureReport
+from station.capture import CaptureReport, CaptureState, CaptureStatus
 from station.errors import CameraUnreachable, StateConflict
 from station.operations import DataLayout, Salvaged, Station, utc_now
 from station.serve import log_as
@@ -36,10 +35,11 @@ class FakeCapture:
 
     def status(self):
         self._ensure_works()
-        return SimpleNamespace(
-            state="recording" if self.plan else "idle",
-            problem=None,
+        return CaptureStatus(
+            CaptureState.RECORDING if self.plan else CaptureState.IDLE,
+            "left",
             session_id=self.plan.session_id if self.plan else None,
+            totals={"recorded": self.pictures, "lost": self.lost},
         )
 
     def arm(self, plan):

@@ -193,6 +193,17 @@ def test_metrics_count_requests_by_route_and_never_by_address(served, call):
     assert 'station_passes{state="recording"} 1.0' in text
 
 
+def test_metrics_tell_of_every_sensor_and_of_one_that_is_down(served, call):
+    served.captures["right"].broken = "no camera answers at 127.0.0.3"
+    call.put("/v1/passes/p1", json={})
+    served.captures["left"].lost = 2
+    text = call.get("/metrics").text
+    assert 'station_sensor_up{sensor="left"} 1.0' in text
+    assert 'station_sensor_up{sensor="right"} 0.0' in text
+    assert 'station_capture_total{sensor="left",what="lost"} 2.0' in text
+    assert 'sensor="right",what' not in text
+
+
 def test_the_docs_page_lists_every_operation_and_loads_nothing(served, call):
     page = call.get("/docs").text
     for method, path in operations(served.app):

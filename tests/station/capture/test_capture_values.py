@@ -1,4 +1,4 @@
-"""Plans, reports, the camera's clock, the ring: small values that processes hand to one another."""
+"""Plans, reports, the ring: small values that processes hand to one another."""
 
 import json
 from pathlib import Path
@@ -6,8 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from station.capture import CaptureReport, CaptureState, CaptureStatus, RecordingPlan, Trigger
-from station.capture.clock import CameraClock, ClockSource
+from station.capture import (
+    CaptureReport,
+    CaptureState,
+    CaptureStatus,
+    ExposureStep,
+    RecordingPlan,
+    Trigger,
+)
 from station.capture.ring import Ring
 from station.recording import Event, EventKind
 
@@ -39,6 +45,17 @@ def test_plan_survives_the_way_to_another_process():
         "x", PATH, "left", Trigger.FREE, 5, 2.5, {"a": "b"}, {"calibration.json": b"\0\xff"}
     )
     assert through_json(plan) == plan
+
+
+def test_plan_with_a_sequence_survives_the_way_to_another_process():
+    steps = (ExposureStep(100.0, 3.0, laser=False), ExposureStep(900.0))
+    plan = RecordingPlan("x", PATH, "left", Trigger.SOFTWARE, sequence=steps)
+    assert through_json(plan) == plan
+
+
+def test_sequence_without_software_trigger_is_refused():
+    with pytest.raises(ValueError, match="trigger `software`"):
+        RecordingPlan("x", PATH, "left", Trigger.LINE1, sequence=(ExposureStep(100.0),))
 
 
 @pytest.mark.parametrize("wrong", [{"frames": 0}, {"seconds": float("nan")}, {"trigger": "Line9"}])
@@ -84,27 +101,6 @@ def test_summary_is_one_line_of_account():
         "/data/a.mcap: 8 frames of 10 triggered recorded, 1 lost, 1 refused, 3 packets resent; "
         "not complete"
     )
-
-
-def test_camera_that_keeps_utc_is_believed():
-    clock = CameraClock(1_000_000_000)
-    received = 1_760_000_000_000_000_000
-    assert clock.utc_ns(received - 7_000, received) == received - 7_000
-    assert clock.source is ClockSource.CAMERA_UTC
-
-
-def test_camera_that_counts_from_its_start_is_tied_to_utc_by_its_first_frame():
-    clock = CameraClock(1_000_000_000)
-    received = 1_760_000_000_000_000_000
-    assert clock.utc_ns(50_000, received) == received
-    assert clock.utc_ns(60_000, received + 999) == received + 10_000
-    assert clock.source is ClockSource.CAMERA_OFFSET
-
-
-def test_camera_without_a_clock_gives_the_time_of_reception():
-    clock = CameraClock(0)
-    assert clock.utc_ns(123, 456) == 456
-    assert clock.source is ClockSource.HOST
 
 
 def test_what_one_process_puts_into_the_ring_another_sees():

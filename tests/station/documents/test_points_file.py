@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,6 +93,19 @@ def test_rows_tell_correction_use_and_reason(view, calibration):
     assert {row["kind"] for row in rows} == {"dot", "stripe"}
 
 
+def test_the_radius_of_dots_as_seen_comes_back(view, calibration):
+    seen = replace(view, dot_radius=0.2461)
+    (back,) = views_from_points(
+        points_csv(replace(calibration, seen=(seen,))), TARGET, name="points.csv"
+    )
+    assert back.dot_radius == 0.2461
+
+
+def test_a_file_without_a_radius_tells_none(view, calibration):
+    (back,) = views_from_points(points_csv(calibration), TARGET, name="points.csv")
+    assert back.dot_radius is None
+
+
 def test_view_left_out_has_its_reason_in_every_row(view, calibration):
     left_out = SolvedView(view.name, None, None, None, left_out="too few dots")
     answer = Calibration(
@@ -102,6 +116,7 @@ def test_view_left_out_has_its_reason_in_every_row(view, calibration):
 
 
 HEADER = "image,kind,row,col,u,v,sigma_u,sigma_v\n"
+WITH_RADIUS = HEADER.replace("\n", ",dot_radius_pitches\n")
 
 
 @pytest.mark.parametrize(
@@ -129,7 +144,8 @@ HEADER = "image,kind,row,col,u,v,sigma_u,sigma_v\n"
         (HEADER.replace(",", ";") + "a;dot;0;0;1,5;1;1;1\n", "u '1,5' is not a number"),
         (HEADER + "a,dot,7,0,1,1,1,1\n", "row 7, col 0; allowed"),
         (HEADER + "a,dot,0,0,1,1,1,1\n" * 2, "line 3: .* line 2 already"),
-        (HEADER + "a,stripe,,,1,1,1,1\n", "1 stripe points in a"),
+        (WITH_RADIUS + "a,dot,0,0,1,1,1,1,0.6\n", "dot_radius_pitches 0.6; allowed: between"),
+        (WITH_RADIUS + "a,dot,0,0,1,1,1,1,r\n", "dot_radius_pitches 'r' is not a number"),
     ],
 )
 def test_file_that_could_mislead_is_refused_with_its_line(text, said):
@@ -155,3 +171,9 @@ def test_table_of_another_program_is_read_the_same(view, calibration, written):
     np.testing.assert_array_equal(other.points.centre_px, plain.points.centre_px)
     np.testing.assert_array_equal(other.points.row, plain.points.row)
     np.testing.assert_array_equal(other.stripe.sigma_px, plain.stripe.sigma_px)
+
+
+def test_a_stripe_of_one_point_is_read_and_left_to_the_solver():
+    (view,) = views_from_points(HEADER + "a,stripe,,,1,2,0.3,0.4\n", TARGET, name="points.csv")
+    assert view.stripe.centre_px.tolist() == [[1.0, 2.0]]
+    np.testing.assert_allclose(view.stripe.sigma_px, 0.5)

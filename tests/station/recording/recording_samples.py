@@ -1,5 +1,8 @@
 """Small recordings with known content."""
 
+import resource
+import signal
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -37,3 +40,19 @@ def make_recording(path: Path, rng, count=5):
         for number, pixels in enumerate(pictures, 1):
             write_picture(writer, number, pixels)
     return pictures
+
+
+@contextmanager
+def no_file_beyond(size):
+    """Let the system refuse to let any file grow beyond a size, as a full disk does.
+
+    Within the test alone: the file that the test runner reports to may be larger already.
+    """
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, handler)

@@ -81,6 +81,21 @@ def test_damaged_chunk_in_the_middle_is_hidden_and_the_others_stay(interrupted):
     assert "between 3 and 5" in " ".join(report.verified.problems)
 
 
+def test_damaged_last_picture_is_hidden_and_what_stands_behind_it_stays(tmp_path, rng):
+    path = tmp_path / "a.mcap"
+    last = picture(rng)
+    with RecordingWriter(path) as writer:
+        write_picture(writer, 1, picture(rng))
+        write_picture(writer, 2, last)
+        writer.write_metadata("accounting", {"recorded": "2"})
+    damaged = bytearray(path.read_bytes())
+    damaged[damaged.index(last.tobytes()) + 9] ^= 1
+    path.write_bytes(damaged)
+    assert recover(path).damaged_chunks == 1
+    assert [frame.frame_id for frame in frames(path)] == [1]
+    assert info(path).metadata["accounting"] == {"recorded": "2"}
+
+
 def test_page_of_zeros_at_the_end_is_cut_off(interrupted):
     path, _, unfinished = interrupted
     active_path(path).write_bytes(unfinished + bytes(8192))

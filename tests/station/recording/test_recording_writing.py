@@ -3,13 +3,11 @@
 import contextlib
 import errno
 import os
-import resource
-import signal
-from contextlib import contextmanager
+import shutil
 
 import numpy as np
 import pytest
-from recording_samples import make_recording, picture, started, write_picture
+from recording_samples import make_recording, no_file_beyond, picture, started, write_picture
 
 from station.errors import DiskFull, InputUnusable, RecordingError, StateConflict
 from station.recording import EventKind, RecordingWriter, active_path, events, frames, verify
@@ -83,22 +81,6 @@ def write_all(writer, pictures, first):
         write_picture(writer, number, pixels)
 
 
-@contextmanager
-def no_file_beyond(size):
-    """Let the system refuse to let any file grow beyond a size, as a full disk does.
-
-    Within the test alone: the file that the test runner reports to may be larger already.
-    """
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-        signal.signal(signal.SIGXFSZ, handler)
-
-
 @pytest.mark.parametrize("spare", [0, 1, 40, 1500, 3000])
 def test_full_disk_ends_the_recording_whole_and_says_so(tmp_path, rng, spare):
     path = tmp_path / "a.mcap"
@@ -137,6 +119,19 @@ def test_no_space_for_the_summary_gives_up_the_last_frames(tmp_path, rng):
         summary = writer.finish()
     assert summary.frames == {"left": 9}
     assert verify(path).ok
+
+
+def test_frames_leave_the_reserve_to_others_and_the_end_of_the_file_takes_of_it(tmp_path, rng):
+    path = tmp_path / "a.mcap"
+    with RecordingWriter(path) as writer:
+        write_picture(writer, 1, picture(rng))
+    free = shutil.disk_usage(tmp_path).free
+    writer = RecordingWriter(tmp_path / "b.mcap", reserve_bytes=2 * free)
+    writer.write_event("left", started())
+    with pytest.raises(DiskFull, match="no space left"):
+        write_picture(writer, 1, picture(rng))
+    assert writer.finish().disk_full
+    assert [e.kind for e in events(tmp_path / "b.mcap")][-1] is EventKind.DISK_FULL
 
 
 def test_disk_that_fails_is_a_recording_error(tmp_path, rng, monkeypatch):

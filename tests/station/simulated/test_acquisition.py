@@ -72,6 +72,25 @@ def test_triggers_carry_their_own_times_in_order(clock):
     assert [running.next_exposure().timestamp_ns for _ in times] == times
 
 
+def test_an_exposure_follows_its_trigger_by_the_delay(clock):
+    running = acquisition(clock, replace(BY_LINE1, delay_s=0.25))
+    running.start()
+    assert running.trigger(TriggerSource.LINE1, 1000)
+    exposure = running.next_exposure()
+    assert exposure.timestamp_ns == 250_001_000
+    assert exposure.ready_s == pytest.approx(50.0 + 0.25 + 0.001)
+
+
+def test_edges_within_the_debounce_time_of_the_last_are_none(clock):
+    running = acquisition(clock, replace(BY_LINE1, debounce_s=0.01))
+    running.start()
+    taken = []
+    for _ in range(6):
+        taken.append(running.trigger(TriggerSource.LINE1))
+        clock.now_s += 0.004 if len(taken) < 3 else 0.02
+    assert taken == [True, False, False, True, True, True]
+
+
 def test_a_trigger_without_a_time_carries_the_present_one(clock):
     running = acquisition(clock, BY_LINE1)
     running.start()

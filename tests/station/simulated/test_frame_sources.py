@@ -117,6 +117,20 @@ def test_a_scene_comes_round_the_same_and_brightens_with_the_exposure():
 
 
 @pytest.mark.usefixtures("two_scenes")
+def test_a_scene_stands_for_a_sequence_and_its_laser_can_be_switched_off():
+    scenes = render_scenes(SceneKind.TARGET, Light.GOOD, seed=3, frames_per_scene=3)
+    first, second, third, next_pose = served(scenes, 4)
+    np.testing.assert_array_equal(first, second)
+    np.testing.assert_array_equal(first, third)
+    assert not np.array_equal(first, next_pose)
+    dark = scenes.frame_laser_off(1, DEFAULT_EXPOSURE_US)
+    # The stripe, 240 counts, and nothing else is gone.
+    lit = first.astype(int) - dark.astype(int)
+    assert (lit > 50).sum() > 500
+    assert (lit < -50).sum() == 0
+
+
+@pytest.mark.usefixtures("two_scenes")
 def test_the_same_seed_renders_the_same_scene():
     one, other = (render_scenes(SceneKind.CYLINDER, Light.GOOD, seed=5) for _ in range(2))
     np.testing.assert_array_equal(one.frame(0, 1e4), other.frame(0, 1e4))

@@ -70,7 +70,7 @@ def test_every_feature_of_the_description_is_read(receiver):
     assert read["TLParamsLocked"] == "0"
     assert read["GevTimestampTickFrequency"] == "1000000000"
     assert device.get_integer_feature_value("GevCurrentIPAddress") == 0x7F0A0201
-    assert len(read) == 40
+    assert len(read) == 46
 
 
 @pytest.mark.parametrize(

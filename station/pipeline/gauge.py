@@ -1,0 +1,125 @@
+"""A calibration made ready to measure wheels with."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import lru_cache
+
+from calib import LaserSensor, locate_stripe
+from measure import Mounting, ReferenceProfile, WheelFrame, measure_wheel
+from station.documents import CalibrationDocument, WheelDocument, wheel_document
+from station.errors import InputUnusable, StationError
+from station.pipeline.batches import Batch
+from station.pipeline.frames import Frame
+from station.pipeline.references import load_reference
+
+
+@dataclass(frozen=True, slots=True)
+class UnreadBatch:
+    """A batch that could not be read, and why: one bad source must not end the work on others."""
+
+    source: str
+    error: StationError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WheelGauge:
+    """A calibrated sensor, where it stands, and the profile that wear is counted from.
+
+    Its methods are the two steps of a measurement; other processes do them for many wheels at
+    once. Handed over, it is what it was made of: the receiver makes it again, once, as what
+    `measure` derives from a reference it keeps for that very object.
+    """
+
+    sensor: LaserSensor
+    sensor_id: str
+    mounting: Mounting | None
+    reference: ReferenceProfile
+    made_of: tuple[str, str]
+    """The calibration as JSON, and the reference as it was given."""
+
+    @classmethod
+    def of(cls, calibration: CalibrationDocument, reference: str) -> "WheelGauge":
+        """Make it of a calibration and the name or file of a reference.
+
+        Raises
+        ------
+        InputUnusable
+            If the reference is neither known nor a profile's file.
+        """
+        return cls(
+            sensor=calibration.laser_sensor(),
+            sensor_id=calibration.sensor,
+            mounting=_mounting(calibration),
+            reference=load_reference(reference),
+            made_of=(calibration.model_dump_json(), reference),
+        )
+
+    def __reduce__(self) -> tuple[Callable[[str, str], "WheelGauge"], tuple[str, str]]:
+        return _made_again, self.made_of
+
+    def locate(self, batch: Batch) -> list[WheelFrame] | UnreadBatch:
+        """Locate the stripe in each frame of a batch."""
+        try:
+            return [
+                WheelFrame(
+                    stripe=locate_stripe(frame.picture),
+                    frame=frame.number,
+                    source=batch.source,
+                    time_ns=frame.time_ns,
+                )
+                for frame in self._checked(batch)
+            ]
+        except StationError as error:
+            return UnreadBatch(batch.source, error)
+
+    def measure(self, frames: Sequence[WheelFrame]) -> WheelDocument:
+        """Measure the wheel that these frames show."""
+        answer = measure_wheel(frames, self.sensor, self.reference, mounting=self.mounting)
+        best = answer.quality.best_frame
+        chosen = next((frame for frame in frames if frame.frame == best), frames[0])
+        return wheel_document(
+            answer,
+            source=chosen.source,
+            sensor=self.sensor_id,
+            frame=chosen.frame,
+            frames=tuple(frame.frame for frame in frames),
+            time=_utc(chosen.time_ns),
+        )
+
+    def _checked(self, batch: Batch) -> Iterator[Frame]:
+        for frame in batch.frames():
+            self._check(frame)
+            yield frame
+
+    def _check(self, frame: Frame) -> None:
+        camera = self.sensor.camera
+        height, width = frame.picture.shape
+        if (width, height) != (camera.width, camera.height):
+            raise InputUnusable(
+                f"{frame.name} is {width} x {height} px but the calibration is of "
+                f"{camera.width} x {camera.height}; give pictures of the same camera"
+            )
+        if frame.sensor not in {None, self.sensor_id}:
+            raise InputUnusable(
+                f"{frame.name} is of sensor {frame.sensor} but the calibration is of "
+                f"{self.sensor_id}; give the calibration of that sensor"
+            )
+
+
+@lru_cache(maxsize=4)
+def _made_again(calibration_json: str, reference: str) -> WheelGauge:
+    return WheelGauge.of(CalibrationDocument.model_validate_json(calibration_json), reference)
+
+
+def _mounting(calibration: CalibrationDocument) -> Mounting | None:
+    if calibration.mounting is None:
+        return None
+    return Mounting(
+        rig_from_camera=calibration.mounting.rig_from_camera(),
+        wheel_radius_mm=calibration.mounting.wheel_radius_mm,
+    )
+
+
+def _utc(time_ns: int | None) -> datetime | None:
+    return None if time_ns is None else datetime.fromtimestamp(time_ns / 1e9, UTC)

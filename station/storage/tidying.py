@@ -1,0 +1,72 @@
+"""Keeping the disk within its limits: the store says what may go, and is told what went."""
+
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+
+import structlog
+
+from station.recording import left_behind
+from station.settings import StorageSettings
+from station.storage.retention import Candidate, Deletion, Usage, to_delete
+from station.storage.space import free_bytes
+from station.store import Recording, Store, disposable_recordings, the
+
+RECORDINGS = "recordings"
+_log = structlog.get_logger()
+
+
+def tidy(
+    store: Store,
+    root: Path,
+    settings: StorageSettings,
+    now: datetime,
+    free_of: Callable[[Path], int] = free_bytes,
+) -> list[Deletion]:
+    """Delete the recordings that are to make way; return them.
+
+    Each is taken off the disk, then noted in its row and in the log.  Interrupted in between, the
+    next time finds nothing of it on the disk and notes it then.
+    """
+    if settings.quota_gb is None and settings.keep_days is None:
+        return []
+    with store.look() as session:
+        candidates = [_candidate(root, row) for row in disposable_recordings(session)]
+    usage = Usage(_size_of_folder(root / RECORDINGS), free_of(root))
+    gone = to_delete(candidates, usage, settings, now)
+    for deletion in gone:
+        _delete(store, root, deletion, now)
+    return gone
+
+
+def _candidate(root: Path, row: Recording) -> Candidate:
+    files = files_of_recording(root / row.path)
+    return Candidate(row.id, row.opened_at, sum(file.stat().st_size for file in files))
+
+
+def files_of_recording(path: Path) -> list[Path]:
+    """Return the finished files of a recording by their names; nothing of it is opened."""
+    return [part for _, part in left_behind(path) if part.exists()]
+
+
+def _delete(store: Store, root: Path, deletion: Deletion, now: datetime) -> None:
+    candidate = deletion.candidate
+    with store.change() as session:
+        # Looked at again while nobody else can write: a calibration may have come into force.
+        if candidate.recording_id not in {row.id for row in disposable_recordings(session)}:
+            return
+        row = the(session, Recording, candidate.recording_id)
+        # The last one first: what an interruption leaves still begins with its first file.
+        for file in reversed(files_of_recording(root / row.path)):
+            file.unlink()
+        row.deleted_at, row.deleted_why = now, deletion.why
+    _log.info(
+        "recording deleted",
+        recording=candidate.recording_id,
+        size_bytes=candidate.size_bytes,
+        why=deletion.why,
+    )
+
+
+def _size_of_folder(folder: Path) -> int:
+    return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())

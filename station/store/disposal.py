@@ -1,0 +1,68 @@
+"""Which recordings have served their purpose: what they were made for is in the store."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import func, or_, select
+from sqlalchemy.orm import Session
+
+from station.store.states import CalibrationState, PassState
+from station.store.tables import Activation, Calibration, Measurement, Pass, Recording
+
+
+def measured_recordings(session: Session) -> Sequence[Recording]:
+    """Return the recordings of passes that were measured and are still there, oldest first.
+
+    Measured with the calibration they were recorded under; one without a frame counts too.
+    """
+    measured = (
+        select(Measurement.id)
+        .where(Measurement.recording_id == Recording.id)
+        .where(Measurement.calibration_id == Recording.calibration_id)
+        .exists()
+    )
+    return session.scalars(
+        select(Recording)
+        .join(Pass, Recording.pass_id == Pass.id)
+        .where(Pass.state.in_([PassState.DONE, PassState.RECOVERED]))
+        .where(Recording.closed_at.is_not(None))
+        .where(Recording.deleted_at.is_(None))
+        .where(or_(measured, Recording.recorded == 0))
+        .order_by(Recording.opened_at, Recording.id)
+    ).all()
+
+
+def disposable_recordings(session: Session) -> Sequence[Recording]:
+    """Return the recordings that may be deleted, oldest first.
+
+    Measured ones, and those of calibration sessions that a calibration was solved from; but none
+    that a calibration in force, or one that is being solved, was made from.
+    """
+    used, kept = _calibrated_from(session)
+    of_sessions = session.scalars(
+        select(Recording)
+        .where(Recording.session_id.is_not(None))
+        .where(Recording.closed_at.is_not(None))
+        .where(Recording.deleted_at.is_(None))
+    )
+    found = [row for row in of_sessions if row.id in used] + list(measured_recordings(session))
+    return sorted(
+        (row for row in found if row.id not in kept), key=lambda row: (row.opened_at, row.id)
+    )
+
+
+def _calibrated_from(session: Session) -> tuple[set[str], set[str]]:
+    """Return the recordings of calibrations that are ready; those that one still needs."""
+    newest = select(func.max(Activation.id)).group_by(Activation.sensor)
+    in_force = set(
+        session.scalars(select(Activation.calibration_id).where(Activation.id.in_(newest)))
+    )
+    used: set[str] = set()
+    kept: set[str] = set()
+    columns = Calibration.id, Calibration.state, Calibration.recording_ids
+    for calibration_id, state, recording_ids in session.execute(select(*columns)):
+        recordings = [name for names in recording_ids.values() for name in names]
+        if state is CalibrationState.READY:
+            used.update(recordings)
+        if state is CalibrationState.SOLVING or calibration_id in in_force:
+            kept.update(recordings)
+    return used, kept
