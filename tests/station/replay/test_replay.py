@@ -8,6 +8,7 @@ import json
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import duckdb
 import pytest
 from wheel_recordings import record, true_calibration, wheel_pictures
 
@@ -152,14 +153,7 @@ def test_what_cannot_be_used_is_refused_before_any_work(passes, tmp_path, given,
     assert not list(tmp_path.iterdir())
 
 
-def test_parquet_without_duckdb_is_refused_with_what_to_do(passes, tmp_path, monkeypatch):
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
-    with pytest.raises(InputUnusable, match=r"pip install duckdb"):
-        replay_recordings(passes, CALIBRATION, tmp_path / "r.parquet")
-
-
 def test_parquet_holds_the_table_with_its_types(passes, tmp_path):
-    duckdb = pytest.importorskip("duckdb")
     out = replay_recordings(passes, CALIBRATION, tmp_path / "r.parquet").out
     wheels = measure_sources(passes[:1], CALIBRATION).wheels
     columns = "tread_wear, frame, typeof(time), epoch_us(time)"
