@@ -213,9 +213,9 @@ def load_settings(path: Path) -> StationSettings:
         ) -> tuple[PydanticBaseSettingsSource, ...]:
             return env_settings, TomlConfigSettingsSource(settings_cls)
 
-    if not path.is_file():
-        raise InputUnusable(f"{path}: no such settings file; give one by --config station.toml")
     try:
+        if not path.is_file():
+            raise InputUnusable(f"{path}: no such settings file; give one by --config station.toml")
         sources = Sources()  # type: ignore[call-arg]  # its fields come from file and environment
         found = StationSettings.model_validate(sources.model_dump())
     except ValidationError as error:
