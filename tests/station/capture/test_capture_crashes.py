@@ -35,12 +35,15 @@ def recorder_of(process):
 
 
 def is_running(pid):
-    """Whether a process still has its files open; one that waits to be reaped has not."""
+    """Whether a process still has its files open; one that waits to be reaped has not.
+
+    Its first thread may wait while others are still on their way out, the files open.
+    """
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        return state != "Z" or len(os.listdir(f"/proc/{pid}/task")) > 1
     except FileNotFoundError:
         return False
-    return state != "Z"
 
 
 def wait_until(happened, timeout_s=10.0):

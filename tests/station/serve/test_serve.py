@@ -34,7 +34,7 @@ def settings_file(folder, port=0):
 def wait(reached, what):
     deadline = time.monotonic() + PATIENCE_S
     while not reached():
-        assert time.monotonic() < deadline, what
+        assert time.monotonic() < deadline, what() if callable(what) else what
         time.sleep(0.05)
 
 
@@ -226,7 +226,12 @@ def test_the_station_ends_in_order_and_its_key_is_shown_once(service, camera, ca
 
         pids = [again.pids(child)[-1] for child in ("api", "capture left", "worker")]
         again.process.kill()
-        wait(lambda: not any(runs(pid) for pid in pids), "the end of all with the supervisor")
+        names = ("api", "capture left", "worker")
+        last = dict(zip(names, pids, strict=True))
+        wait(
+            lambda: not any(runs(pid) for pid in pids),
+            lambda: f"{[name for name, pid in last.items() if runs(pid)]} outlived the supervisor",
+        )
     finally:
         again.close()
 
