@@ -26,7 +26,7 @@ class _PoseSet:
 
 
 def bench_pose_sets(
-    progress: Progress, *, sets: int = 20, poses: int = 10, runs: int = 10, seed: int = 1
+    progress: Progress, *, sets: int = 20, poses: int = 10, runs: int = 20, seed: int = 1
 ) -> Table:
     """Solve the paper's simulation for many sets of poses at its largest noise of the dots.
 

@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.arrays import BoolArray, FloatArray
-from calib.solving.deviation.state import Frame, State
+from calib.solving.deviation.state import RIGID, Frame, State
 from calib.solving.joint.mixture import correlated_run
-from calib.solving.joint.parameters import PLANE_SIZE, POSE_SIZE, Layout
+from calib.solving.joint.parameters import PLANE_SIZE, POSE_SIZE
 from calib.solving.joint.residuals import linearise_dots, linearise_stripe
 from calib.solving.observations import Observations
 
-_PLANE_ONLY = Layout((), plane=True)
 # A correction that stops this many sigmas short was stopped by its bound: the search leaves a
 # hundredth of this where nothing hinders it.
 _STOPPED_SHORT = 0.1
@@ -46,8 +45,8 @@ class Corrected:
             dots=replace(seen.dots, seen_px=seen.dots.seen_px - state.dots_px),
             stripe=replace(seen.stripe, seen_px=seen.stripe.seen_px - state.stripe_px),
         )
-        dots = linearise_dots(moved, state.estimate, _PLANE_ONLY).residual
-        stripe = linearise_stripe(moved.stripe, state.estimate, _PLANE_ONLY).residual
+        dots = linearise_dots(moved, state.estimate, RIGID).residual
+        stripe = linearise_stripe(moved.stripe, state.estimate, RIGID).residual
         return cls(
             seen,
             moved,

@@ -18,6 +18,7 @@ from calib.plane import LightPlane
 from calib.solving.deviation.corrected import Corrected
 from calib.solving.deviation.reach import SIGMAS_ALLOWED, Reach
 from calib.solving.deviation.relocation import Relocation, relocate
+from calib.solving.deviation.state import RIGID
 from calib.solving.joint.normal_equations import NormalEquations
 from calib.solving.joint.parameters import POSE_SIZE, Estimate, Layout
 from calib.solving.joint.residuals import linearise_dots, linearise_stripe
@@ -30,7 +31,6 @@ from calib.solving.preplanar import (
 )
 from calib.views import View
 
-_PLANE_ONLY = Layout((), plane=True)
 _PLANE_STEPS = 20
 _PLANE_SETTLED = 1e-6
 
@@ -73,7 +73,7 @@ def solve_deviation(prepared: Prepared) -> Answer:
         dots=dots,
         stripe=stripe,
         stripe_in=prepared.stripe_in,
-        report=_report(prepared, corrected, relocation, dots, stripe),
+        report=_report(prepared, reach, corrected, relocation, dots, stripe),
         warnings=_warnings(relocation),
     )
 
@@ -83,8 +83,8 @@ def _answers(
 ) -> tuple[PointsAnswer, PointsAnswer]:
     """Return what became of all points; those out of reach are put where the answer has them."""
     seen, estimate = replace(prepared.observations, radius_mm=0.0), corrected.state.estimate
-    dots = linearise_dots(seen, estimate, _PLANE_ONLY).model_px.copy()
-    stripe = linearise_stripe(seen.stripe, estimate, _PLANE_ONLY).model_px.copy()
+    dots = linearise_dots(seen, estimate, RIGID).model_px.copy()
+    stripe = linearise_stripe(seen.stripe, estimate, RIGID).model_px.copy()
     dots[reach.dots] = corrected.observations.dots.seen_px
     stripe[reach.stripe] = corrected.observations.stripe.seen_px
     dots_used, stripe_used = reach.dots.copy(), reach.stripe.copy()
@@ -125,10 +125,10 @@ def _most_likely_plane(corrected: Corrected, estimate: Estimate) -> Estimate:
     stripe, free = corrected.observations.stripe, corrected.stripe_free
     still = np.zeros((corrected.seen.count, POSE_SIZE))
     for _ in range(_PLANE_STEPS):
-        linear = linearise_stripe(stripe, estimate, _PLANE_ONLY)
+        linear = linearise_stripe(stripe, estimate, RIGID)
         jacobian, residual = linear.jacobian[free, 0, POSE_SIZE:], linear.residual[free, 0]
         step, *_ = np.linalg.lstsq(jacobian, residual)
-        estimate = _PLANE_ONLY.moved(estimate, step, still)
+        estimate = RIGID.moved(estimate, step, still)
         if np.linalg.norm(jacobian @ step) < _PLANE_SETTLED:
             break
     return estimate
@@ -166,21 +166,18 @@ def _plane_covariance(
 
 def _report(
     prepared: Prepared,
+    reach: Reach,
     corrected: Corrected,
     relocation: Relocation,
     dots: PointsAnswer,
     stripe: PointsAnswer,
 ) -> SolveReport:
-    told = prepared.observations
-    wider = corrected.seen
     return SolveReport(
         termination=Termination.CONVERGED if relocation.settled else Termination.STEP_LIMIT,
         iterations=relocation.steps,
         cost=relocation.cost,
-        sigma_scale_dots=corrected.scale_dots
-        * float(np.median(wider.dots.sigma_px) / np.median(told.dots.sigma_px)),
-        sigma_scale_stripe=corrected.scale_stripe
-        * float(np.median(wider.stripe.sigma_px) / np.median(told.stripe.sigma_px)),
+        sigma_scale_dots=corrected.scale_dots * reach.widened_dots,
+        sigma_scale_stripe=corrected.scale_stripe * reach.widened_stripe,
         outlier_fraction_dots=float(1.0 - dots.used.mean()),
         outlier_fraction_stripe=float(1.0 - stripe.used.mean()),
         camera=prepared.role,

@@ -5,7 +5,7 @@ pose (a small rotation from the left, a shift) and the line of its stripe on the
 the light plane (two angles of the normal, the offset).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,8 @@ from calib.solving.joint.parameters import PLANE_SIZE, POSE_SIZE, Estimate, Layo
 from calib.solving.observations import Observations
 
 LINE_SIZE = 2
-_RIGID = Layout((), plane=True)
+RIGID = Layout((), plane=True)
+"""Of poses and the light plane, the camera held."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,9 +116,7 @@ class Frame:
         return State(
             dots_px=dots.reshape(-1, 2),
             stripe_px=stripe.reshape(-1, 2),
-            estimate=_RIGID.moved(
-                state.estimate, step[self.plane_columns], step[self.pose_columns]
-            ),
+            estimate=RIGID.moved(state.estimate, step[self.plane_columns], step[self.pose_columns]),
             lines=state.lines + step[self.line_columns],
         )
 
@@ -127,6 +126,6 @@ class Frame:
         return State(
             dots_px=np.zeros((len(seen.dots), 2)),
             stripe_px=np.zeros((len(seen.stripe), 2)),
-            estimate=replace(estimate, camera=self.camera.parameters),
+            estimate=estimate,
             lines=np.zeros((seen.count, LINE_SIZE)),
         )
