@@ -99,13 +99,6 @@ def gaussian_rows(sigma_px: float, shift_px: FloatArray) -> FloatArray:
     return np.stack([g, slope, bend], axis=1)
 
 
-def _windows_at(picture: NDArray[np.generic], pixels: IntArray, radius: int) -> Float32Array:
-    """Return the square windows, shape (N, K, K), about whole pixels (u, v) that are inside."""
-    size = 2 * radius + 1
-    view = sliding_window_view(picture, (size, size))
-    return view[pixels[:, 1] - radius, pixels[:, 0] - radius].astype(np.float32)
-
-
 def inside(shape: tuple[int, ...], pixels: FloatArray | IntArray, margin: int) -> BoolArray:
     """Return which pixels (u, v) keep `margin` from the border of a picture of `shape`."""
     u, v = pixels[:, 0], pixels[:, 1]
@@ -143,11 +136,16 @@ def ridge_between_pixels(
     """
     table, radius = _row_table(sigma_px), kernel_radius(sigma_px)
     derivatives = np.empty((len(pixels), 5))
+    if len(pixels) == 0:  # in a picture smaller than a window, none is far enough off the border
+        return Ridge.from_derivatives(derivatives)
+    corner, size = pixels - radius, 2 * radius + 1
+    windows = sliding_window_view(picture, (size, size))
     # The windows of a whole stripe would not stay in the processor's cache.
     for first in range(0, len(pixels), _BLOCK):
         block = np.s_[first : first + _BLOCK]
         columns_u = table.transpose(0, 2, 1)[fraction[block, 0] + FRACTIONS // 2]
         rows_v = table[fraction[block, 1] + FRACTIONS // 2]
-        products = rows_v @ _windows_at(picture, pixels[block], radius) @ columns_u
+        pixels_about = windows[corner[block, 1], corner[block, 0]].astype(np.float32)
+        products = rows_v @ pixels_about @ columns_u
         derivatives[block] = products.reshape(-1, 9)[:, _PICKED]
     return Ridge.from_derivatives(derivatives)

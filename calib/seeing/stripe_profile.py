@@ -8,12 +8,13 @@ from calib.arrays import BoolArray, FloatArray, IntArray, Picture
 from calib.seeing.noise import SATURATED_FROM
 from calib.seeing.resample import Float32Array, sampled
 
-_STEPS_OF_ALL = 2  # one more for the rows that the second still changed
+_MOST_STEPS = 3
+_STEPS_IF_CLIPPED = 11  # of a clipped stripe the flanks alone tell the height
 _SETTLED_PX = 0.05  # the next step changes centre and width by a hundredth of that
 _DAMPING = 1e-3
-_MORE_IF_CLIPPED = 8
 _RESAMPLING_VARIANCE = 1.0 / 6.0  # px^2: what going between pixels adds to a profile's width
 _NARROWEST_PX, _WIDEST_PX = 0.4, 14.0
+_HIGHEST = 5000.0  # counts: of a clipped bell
 _FARTHEST_OFF_PX = 7.0  # from the middle: seeds are nearer to their stripe
 
 
@@ -113,21 +114,17 @@ def fit_profiles(samples: Float32Array) -> Profiles:
     used = np.flatnonzero(weight.any(axis=0))
     c, samples, weight = c[used], samples[:, used], weight[:, used]
     clipped = samples >= SATURATED_FROM
-    any_clipped = clipped.any(axis=1)
+    any_clipped = np.asarray(clipped.any(axis=1))
     jacobian = np.empty((len(samples), 6, c.size), dtype=np.float32)
-    for _ in range(_STEPS_OF_ALL):
-        before = parameters
-        parameters = _stepped(parameters, samples, weight, clipped, c, jacobian)
-    moving = np.flatnonzero(_still_moves(before, parameters) | any_clipped)
-    of_moving = samples[moving], weight[moving], clipped[moving]
-    parameters[moving] = _stepped(parameters[moving], *of_moving, c, jacobian[: len(moving)])
-    # The height of a clipped stripe is known by its flanks alone: it takes more steps.
-    if any_clipped.any():
-        part = parameters[any_clipped]
-        of_part = samples[any_clipped], weight[any_clipped], clipped[any_clipped]
-        for _ in range(_MORE_IF_CLIPPED):
-            part = _stepped(part, *of_part, c, jacobian[: len(part)])
-        parameters[any_clipped] = part
+    moving = np.arange(len(samples))
+    for step in range(1, _STEPS_IF_CLIPPED + 1):
+        of_moving = samples[moving], weight[moving], clipped[moving]
+        before = parameters[moving]
+        parameters[moving] = _stepped(before, *of_moving, c, jacobian[: len(moving)])
+        moves = _still_moves(before, parameters[moving]) & (step < _MOST_STEPS)
+        moving = moving[moves | any_clipped[moving]]
+        if moving.size == 0:
+            break
     model = _model(parameters, c, jacobian)
     left = (samples - np.where(clipped, np.minimum(model, samples), model)) * weight
     misfit = np.sqrt((left**2).sum(axis=1) / weight.sum(axis=1))
@@ -156,13 +153,13 @@ def _reach_px(width_px: FloatArray | Float32Array) -> FloatArray | Float32Array:
 
 
 def _first_guess(samples: Float32Array) -> Float32Array:
-    """Width from the samples above half the height, ground from the feet."""
+    """Width from where the samples fall to half the height, ground from the feet."""
     reach = samples.shape[1] // 2
     row = np.arange(len(samples))
-    peak = samples[:, reach - 1 : reach + 2].mean(axis=1)
-    low = samples.min(axis=1)
+    middle = samples[:, reach - 1 : reach + 2]
+    peak, low = middle.max(axis=1), samples.min(axis=1)
     left, right = _run(samples, low + 0.5 * (peak - low))
-    width = np.clip((left + right - 1.0) / 2.355, 1.0, 0.4 * reach)
+    width = np.clip((left + right) / 2.355, 1.0, 0.4 * reach)
     centre = np.clip(0.5 * (right - left), -0.3 * reach, 0.3 * reach)
     foot = np.minimum(np.rint(3.0 * width + 1.0), reach).astype(np.intp)
     start, end = samples[row, reach - foot], samples[row, reach + foot]
@@ -170,17 +167,27 @@ def _first_guess(samples: Float32Array) -> Float32Array:
     ground = 0.5 * (start + end)
     height = np.maximum(peak - ground, 1.0)
     guess = np.column_stack([height, centre, width, ground, slope])
-    clipped = peak >= SATURATED_FROM
-    guess[clipped] = _first_guess_clipped(samples[clipped], guess[clipped])
+    clipped = np.flatnonzero(middle.mean(axis=1) >= SATURATED_FROM)
+    if clipped.size > 0:
+        guess[clipped] = _first_guess_clipped(samples[clipped], guess[clipped])
     return guess.astype(np.float32)
 
 
-def _run(samples: Float32Array, level: FloatArray) -> tuple[IntArray, IntArray]:
-    """Return how many samples to the left and right of the middle stay above a level."""
+def _run(samples: Float32Array, level: Float32Array) -> tuple[FloatArray, FloatArray]:
+    """Return how far to the left and right of the middle samples stay above a level, px."""
     reach = samples.shape[1] // 2
-    above = samples > level[:, None]
-    left = np.cumprod(above[:, reach::-1], axis=1).sum(axis=1)
-    return left, np.cumprod(above[:, reach:], axis=1).sum(axis=1)
+    return _falls_to(samples[:, reach::-1], level), _falls_to(samples[:, reach:], level)
+
+
+def _falls_to(samples: Float32Array, level: Float32Array) -> FloatArray:
+    """Return where rows of samples first fall to a level, between the samples; the end if none."""
+    below = samples <= level[:, None]
+    below[:, -1] = True
+    first = np.maximum(below.argmax(axis=1), 1)
+    row = np.arange(len(samples))
+    before, after = samples[row, first - 1], samples[row, first]
+    share = (before - level) / np.maximum(before - after, 1e-3)
+    return np.asarray(first - 1 + np.clip(share, 0.0, 1.0))
 
 
 def _first_guess_clipped(samples: Float32Array, guess: FloatArray) -> FloatArray:
@@ -190,7 +197,7 @@ def _first_guess_clipped(samples: Float32Array, guess: FloatArray) -> FloatArray
     """
     ground = samples.min(axis=1)
     low, high = (ground + share * (255.0 - ground) for share in (0.2, 0.85))
-    outer, inner = (0.5 * (np.add(*_run(samples, level)) - 1.0) for level in (low, high))
+    outer, inner = (0.5 * np.add(*_run(samples, level)) for level in (low, high))
     square = (outer**2 - inner**2) / (2.0 * np.log(0.85 / 0.2))
     width = np.sqrt(np.clip(square, 1.0, (0.4 * samples.shape[1]) ** 2))
     height = 0.85 * (255.0 - ground) * np.exp(np.minimum(0.5 * (inner / width) ** 2, 3.0))
@@ -211,8 +218,8 @@ def _stepped(
     # A clipped sample says only "at least this": no pull once the model is above it.
     pull = weight * ~(clipped & (model >= samples))
     jacobian[:, 5] = samples - model
-    jacobian *= pull[:, None, :]
-    product = (jacobian @ jacobian.transpose(0, 2, 1)).astype(np.float64)
+    pulling = jacobian * pull[:, None, :]
+    product = (pulling @ jacobian.transpose(0, 2, 1)).astype(np.float64)
     normal, gradient = product[:, :5, :5], product[:, :5, 5:]
     np.einsum("nii->ni", normal)[...] *= 1.0 + _DAMPING
     np.einsum("nii->ni", normal)[...] += 1e-6
@@ -236,9 +243,11 @@ def _model(parameters: Float32Array, c: Float32Array, jacobian: Float32Array) ->
 
 def _bounded(now: Float32Array, before: Float32Array) -> Float32Array:
     """Keep a step inside what a stripe can be."""
-    now[:, 0] = np.clip(now[:, 0], 0.0, np.maximum(2.0 * before[:, 0], 50.0))
-    now[:, 0] = np.minimum(now[:, 0], 5000.0)
-    now[:, 1] = np.clip(now[:, 1], -_FARTHEST_OFF_PX, _FARTHEST_OFF_PX)
-    now[:, 2] = np.clip(now[:, 2], 0.6 * before[:, 2], 1.6 * before[:, 2])
-    now[:, 2] = np.clip(now[:, 2], _NARROWEST_PX, _WIDEST_PX)
+    height, centre, width = now.T[:3]
+    largest = np.minimum(np.maximum(2.0 * before[:, 0], 50.0), _HIGHEST)
+    np.minimum(np.maximum(height, 0.0), largest, out=height)
+    np.minimum(np.maximum(centre, -_FARTHEST_OFF_PX), _FARTHEST_OFF_PX, out=centre)
+    narrowest = np.maximum(0.6 * before[:, 2], _NARROWEST_PX)
+    widest = np.minimum(1.6 * before[:, 2], _WIDEST_PX)
+    np.minimum(np.maximum(width, narrowest), widest, out=width)
     return now

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from station.one_core import use_one_core
+
 
 @dataclass(frozen=True, slots=True)
 class CoreTime:
@@ -22,7 +24,7 @@ class CoreTime:
         That clock counts what all threads of this process use and not what others do meanwhile.
         """
         threads = cv2.getNumThreads()
-        cv2.setNumThreads(1)
+        use_one_core()
         try:
             work()
             taken = [_core_seconds(work) for _ in range(runs)]

@@ -11,11 +11,11 @@ from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from calib import Picture
 from station.demo.scenario import Scenario
+from station.one_core import use_one_core
 from station.simulated import ArraySource
 
 
@@ -48,8 +48,7 @@ def render_scenario(scenario: Scenario, folder: Path) -> Iterator[tuple[int, int
     with ProcessPoolExecutor(
         len(os.sched_getaffinity(0)),
         mp_context=get_context("spawn"),
-        initializer=cv2.setNumThreads,
-        initargs=(1,),
+        initializer=use_one_core,
     ) as pool:
         pictures = pool.map(_render, tasks)
         for done, ((_, place, index), picture) in enumerate(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import TypeVar
 
-import cv2
+from station.one_core import use_one_core
 
 _START_S = 2.0
 """What it takes a process to start and import the mathematics."""
@@ -52,7 +52,7 @@ def all_cores(*, alone_s: float) -> Generator[Cores]:
         return
     # Spawned, not forked: the callers hold threads.
     with ProcessPoolExecutor(
-        count, mp_context=get_context("spawn"), initializer=cv2.setNumThreads, initargs=(1,)
+        count, mp_context=get_context("spawn"), initializer=use_one_core
     ) as pool:
         yield Cores(pool, ahead=2 * count)
 

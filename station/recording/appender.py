@@ -9,15 +9,14 @@ than a megabyte anyhow, small messages stay out of the pictures' chunks, and no 
 import errno
 import os
 import struct
-import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from mcap.opcode import Opcode
 from mcap.records import ChunkIndex, Header, McapRecord
+from zlib_ng.zlib_ng import crc32, crc32_combine
 
 from station.recording.chunks import StoredMessage, messages, read_chunk
-from station.recording.crc import joined_crc
 from station.recording.index import FileIndex, IndexedChunk
 from station.recording.layout import CHUNK_START, MAGIC, MESSAGE_START, PREFIX, encoded
 from station.recording.scan import scan, without_damaged_tail
@@ -55,7 +54,7 @@ class McapAppender:
         """Begin an empty file."""
         appender = cls(descriptor, FileIndex(), 0)
         appender._write([MAGIC])
-        appender.index.data_crc = zlib.crc32(MAGIC)
+        appender.index.data_crc = crc32(MAGIC)
         appender.add(Header(profile="", library=library))
         return appender
 
@@ -85,7 +84,7 @@ class McapAppender:
         body = encoded(record)
         start = self._end
         self._write([body])
-        self.index.data_crc = zlib.crc32(body, self.index.data_crc)
+        self.index.data_crc = crc32(body, self.index.data_crc)
         self.index.add(record, start, len(body))
 
     def add_message(self, message: Message) -> None:
@@ -97,9 +96,9 @@ class McapAppender:
             message.log_time_ns,
             message.publish_time_ns,
         )
-        size, crc = len(head) + length, zlib.crc32(head)
+        size, crc = len(head) + length, crc32(head)
         for part in message.parts:
-            crc = zlib.crc32(part, crc)
+            crc = crc32(part, crc)
         opening = _chunk_opening(message.log_time_ns, size, crc)
         pointer = _MESSAGE_INDEX.pack(
             Opcode.MESSAGE_INDEX, 2 + 4 + 16, message.channel, 16, message.log_time_ns, 0
@@ -152,8 +151,8 @@ class McapAppender:
             uncompressed_size=size,
         )
         before = self.index.data_crc
-        after = joined_crc(zlib.crc32(opening, before), crc, size)
-        self.index.data_crc = zlib.crc32(pointer, after)
+        after = crc32_combine(crc32(opening, before), crc, size)
+        self.index.data_crc = crc32(pointer, after)
         self.index.chunks.append(IndexedChunk(index, {message.channel: 1}, before))
 
     def _write(self, parts: Sequence[Buffer]) -> None:

@@ -2,7 +2,6 @@
 
 import os
 import struct
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
@@ -11,6 +10,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Chunk, ChunkIndex
 from mcap.stream_reader import get_chunk_data_stream
+from zlib_ng.zlib_ng import crc32
 
 from station.recording.layout import CHUNK_START, MESSAGE_START, PREFIX
 
@@ -52,7 +52,7 @@ def chunk_content(body: memoryview, *, validate: bool) -> memoryview:
     content = body[CHUNK_START.size + 8 :]
     if not (len(content) == size == stored):
         raise ValueError("the size of a chunk contradicts its content's")
-    if validate and crc and zlib.crc32(content) != crc:
+    if validate and crc and crc32(content) != crc:
         raise ValueError("the checksum of a chunk does not match")
     return content
 

@@ -8,7 +8,6 @@ before it takes its place.
 import fcntl
 import os
 import struct
-import zlib
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 from zstandard import STRATEGY_FAST, ZstdCompressionParameters, ZstdCompressor
 
 from station.errors import (
@@ -177,7 +177,7 @@ def _compressed(recording: Recording, record: bytes, at: int, compressor: ZstdCo
     if len(stored) >= len(record) - PREFIX.size - CHUNK_START.size - 8:
         return record
     first, last, size, crc, _ = CHUNK_START.unpack_from(body)
-    start = CHUNK_START.pack(first, last, size, crc or zlib.crc32(content), len(_ZSTD))
+    start = CHUNK_START.pack(first, last, size, crc or crc32(content), len(_ZSTD))
     start += _ZSTD + struct.pack("<Q", len(stored))
     return PREFIX.pack(Opcode.CHUNK, len(start) + len(stored)) + start + stored
 

@@ -1,7 +1,6 @@
 """What a recording's summary says, kept while it is written or scanned."""
 
 import struct
-import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -20,6 +19,7 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
+from zlib_ng.zlib_ng import crc32
 
 from station.recording.layout import FOOTER_BODY, MAGIC, PREFIX, encoded
 
@@ -150,5 +150,5 @@ def _index_of_attachment(record: Attachment, offset: int, length: int) -> Attach
 def _footer(summary: bytes, summary_start: int, offsets_start: int) -> bytes:
     start = PREFIX.pack(Opcode.FOOTER, FOOTER_BODY.size)
     start += struct.pack("<QQ", summary_start, offsets_start)
-    crc = zlib.crc32(start, zlib.crc32(summary))
+    crc = crc32(start, crc32(summary))
     return encoded(Footer(summary_start, offsets_start, crc)) + MAGIC

@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import zlib
 from collections.abc import Generator
 from dataclasses import dataclass
 from io import BytesIO
@@ -19,6 +18,7 @@ from mcap.records import (
     Schema,
     Statistics,
 )
+from zlib_ng.zlib_ng import crc32
 
 from station.errors import InputUnusable, RecordingUnreadable
 from station.recording.chunks import records
@@ -139,7 +139,7 @@ def _summary(descriptor: int, size: int, footer: bytes) -> tuple[int, bytes]:
     if not (len(MAGIC) < start < end):
         raise ValueError(f"it starts at byte {start} of {size}")
     summary = os.pread(descriptor, end - start, start)
-    if crc and zlib.crc32(footer[:-4], zlib.crc32(summary)) != crc:
+    if crc and crc32(footer[:-4], crc32(summary)) != crc:
         raise ValueError("its checksum does not match")
     return start, summary
 

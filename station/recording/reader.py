@@ -1,6 +1,5 @@
 """Reading a finished recording: its frames, its events, and what is in it."""
 
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.records import Attachment, ChunkIndex, Metadata
+from zlib_ng.zlib_ng import crc32
 
 from station.errors import NotFound
 from station.recording.chunks import StoredMessage, messages, read_chunk
@@ -179,7 +179,7 @@ def _attachment(recording: Recording, offset: int, length: int) -> bytes:
     try:
         found = Attachment.read(ReadDataStream(BytesIO(record[PREFIX.size :])))
         crc = int.from_bytes(record[-4:], "little")
-        if crc and zlib.crc32(record[PREFIX.size : -4]) != crc:
+        if crc and crc32(record[PREFIX.size : -4]) != crc:
             raise ValueError("its checksum does not match")
     except DAMAGED as error:
         raise recording.damaged("in an attachment", error) from error

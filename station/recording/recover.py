@@ -7,13 +7,13 @@ summary is written anew.  Gigabytes of pictures are read once and never copied.
 
 import os
 import time
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
 from station.errors import InputUnusable, RecordingUnreadable
 from station.recording.activefile import ACTIVE, lock, sync_folder
@@ -145,5 +145,5 @@ def _last_words(found: Scan, cut: int, damaged: int, now_ns: int) -> list[Messag
 def _crc_of_file(descriptor: int) -> int:
     crc, at = 0, 0
     while piece := os.pread(descriptor, _PIECE_BYTES, at):
-        crc, at = zlib.crc32(piece, crc), at + len(piece)
+        crc, at = crc32(piece, crc), at + len(piece)
     return crc

@@ -2,16 +2,15 @@
 
 import os
 import struct
-import zlib
 from dataclasses import dataclass
 from io import BytesIO
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, ChunkIndex, McapRecord, Metadata, Schema
+from zlib_ng.zlib_ng import crc32, crc32_combine
 
 from station.recording.chunks import messages, read_chunk
-from station.recording.crc import joined_crc
 from station.recording.index import FileIndex, IndexedChunk
 from station.recording.layout import CHUNK_START, DAMAGED, MAGIC, PREFIX
 
@@ -41,7 +40,7 @@ def scan(descriptor: int) -> Scan:
     believed, not computed: `without_damaged_tail` and `verify` compute.
     """
     index, size = FileIndex(), os.fstat(descriptor).st_size
-    index.data_crc = zlib.crc32(MAGIC)
+    index.data_crc = crc32(MAGIC)
     at = len(MAGIC)
     while at + PREFIX.size <= size:
         opcode, length = PREFIX.unpack(os.pread(descriptor, PREFIX.size, at))
@@ -94,7 +93,7 @@ def _take(descriptor: int, index: FileIndex, opcode: int, at: int, length: int) 
     record = os.pread(descriptor, PREFIX.size + length, at)
     if opcode in _READERS:
         index.add(decode(opcode, record[PREFIX.size :]), at, len(record))
-    index.data_crc = zlib.crc32(record, index.data_crc)
+    index.data_crc = crc32(record, index.data_crc)
     if opcode == Opcode.MESSAGE_INDEX:
         _take_message_index(index, record, at)
 
@@ -107,9 +106,9 @@ def _take_chunk(descriptor: int, index: FileIndex, at: int, length: int) -> None
     if opening + stored != PREFIX.size + length:
         raise ValueError("the size of a chunk contradicts its content's")
     if named or not crc:  # then the checksum in the header is not that of the stored bytes
-        crc = zlib.crc32(os.pread(descriptor, stored, at + opening))
+        crc = crc32(os.pread(descriptor, stored, at + opening))
     before = index.data_crc
-    index.data_crc = joined_crc(zlib.crc32(head[:opening], before), crc, stored)
+    index.data_crc = crc32_combine(crc32(head[:opening], before), crc, stored)
     chunk = ChunkIndex(
         message_start_time=first,
         message_end_time=last,

@@ -1,12 +1,12 @@
 """Proving a recording: every byte against its checksum, every frame decoded, every id explained."""
 
-import zlib
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
 from station.progress import Progress, silent
 from station.recording.chunks import StoredMessage, messages, read_chunk
@@ -171,7 +171,7 @@ def _data_section(recording: Recording, progress: Progress) -> list[str]:
     crc, at, end = 0, 0, recording.data_end - len(end_record)
     while at < end:
         piece = recording.read(at, min(_PIECE_BYTES, end - at))
-        crc, at = zlib.crc32(piece, crc), at + len(piece)
+        crc, at = crc32(piece, crc), at + len(piece)
         progress(at / recording.size_bytes, "checksum")
     return [] if crc == expected else ["the checksum of the data section does not match"]
 

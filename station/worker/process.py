@@ -2,13 +2,14 @@
 
 import math
 import signal
-import threading
 import time
+from typing import Protocol
 
 import structlog
 
 from station.operations import DataLayout
 from station.settings import StationSettings
+from station.stop_signal import StopSignal
 from station.storage import tidy
 from station.store import Store
 from station.worker.context import CalibrateSources, MeasureSources, WorkContext
@@ -21,12 +22,20 @@ _PATIENCE_S = 10
 _log = structlog.get_logger()
 
 
+class Stop(Protocol):
+    """Says when to stop."""
+
+    def is_set(self) -> bool: ...
+
+    def wait(self, timeout: float) -> bool: ...
+
+
 def work(
     settings: StationSettings,
     *,
     calibrate: CalibrateSources,
     measure: MeasureSources,
-    stop: threading.Event,
+    stop: Stop,
 ) -> None:
     """Run the jobs until `stop` is set; the next worker takes up what is then unfinished."""
     layout = DataLayout(settings.data_dir)
@@ -58,12 +67,10 @@ def _tidy(context: WorkContext) -> None:
 
 def run_worker(settings: StationSettings) -> None:
     """Be the worker process of a station: run its jobs until SIGTERM."""
-    import cv2  # noqa: PLC0415  only the process that does the mathematics needs it
-
+    # Only the process that does the mathematics needs these.
+    from station.one_core import use_one_core  # noqa: PLC0415  as above
     from station.pipeline import calibrate_sources, measure_sources  # noqa: PLC0415  as above
 
-    # The other core belongs to camera and disk.
-    cv2.setNumThreads(1)
-    stop = threading.Event()
-    signal.signal(signal.SIGTERM, lambda *_: stop.set())
+    use_one_core()  # the other belongs to camera and disk
+    stop = StopSignal((signal.SIGTERM,))
     work(settings, calibrate=calibrate_sources, measure=measure_sources, stop=stop)

@@ -165,7 +165,10 @@ def test_printed_dark_dots_are_found(rng):
     # A stripe brighter than the dots are dark may hide one that it goes through the middle of.
     assert len(view.points) >= 53
     assert np.abs(error_px(scene, view.points)).max() < 0.15
-    assert np.abs(scene.stripe_error_px(view.stripe)).max() < 0.3
+    error = scene.stripe_error_px(view.stripe)
+    assert np.sqrt((error**2).mean()) < 0.1
+    # At the rim of a dark dot a clipped top is off by up to 0.5 px, and its sigma says so.
+    assert np.abs(error / view.stripe.sigma_px).max() < 5.0
 
 
 def test_some_dots_may_be_missing(rng):
