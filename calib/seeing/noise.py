@@ -6,15 +6,19 @@ from typing import Self
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
-from calib.arrays import FloatArray, Picture
+from calib.arrays import FloatArray, IntArray, Picture
 
+Int16Array = NDArray[np.int16]
 UInt16Array = NDArray[np.uint16]
 
 SATURATED_FROM = 250
 """Counts from which a pixel is taken as clipped: below 255, for resampling mixes neighbours."""
 
-_PIXELS = 1 << 16  # looked at: they tell the deviation to about 1 %
+_PIXELS = 1 << 16  # looked at, in whole rows
+_MORE_BRIGHT = 1 << 14  # at most, from rows between: a stripe alone shows too few
+_BRIGHT_FROM = 24  # well below the second bin
 _LARGEST_MASK = 511
 _LEVEL_WIDTH = 4
 _LEVELS = 256 // _LEVEL_WIDTH
@@ -98,8 +102,11 @@ def _variance_by_brightness(picture: Picture) -> tuple[FloatArray, FloatArray, F
     """Return brightness, variance and number of pixels of each class that has enough."""
     if min(picture.shape) < 3:
         return np.zeros(0), np.zeros(0), np.zeros(0)
-    place = _levels_and_masks(picture).ravel()
-    counted = np.bincount(place, minlength=(_LEVELS + 1) * (_LARGEST_MASK + 1))
+    step = max(round(picture.size / _PIXELS), 1)
+    counted = _counted(*_rows(picture, step))
+    # By the second bin, for the first, the dark, has enough, and of it these are but the brightest.
+    second = _LEVELS // _BINS * (_LARGEST_MASK + 1)
+    counted[second:] += _counted(*_bright_between(picture, step))[second:]
     by_level = counted.reshape(_LEVELS + 1, _LARGEST_MASK + 1)[:_LEVELS]
     masks = by_level.reshape(_BINS, -1, _LARGEST_MASK + 1).sum(axis=1)
     total = (by_level.sum(axis=1) * _BRIGHTNESS).reshape(_BINS, -1).sum(axis=1)
@@ -110,16 +117,35 @@ def _variance_by_brightness(picture: Picture) -> tuple[FloatArray, FloatArray, F
     return total[enough] / count[enough], sigma**2, count[enough].astype(np.float64)
 
 
-def _levels_and_masks(picture: Picture) -> UInt16Array:
-    """Return the level and the mask's size at pixels of some rows, as one number each."""
-    step = max(round(picture.size / _PIXELS), 1)
+def _rows(picture: Picture, step: int) -> list[Int16Array]:
+    """Return every so manyeth row, and those above and below them."""
     last = picture.shape[0] - 2
-    top, middle, bottom = (picture[down : last + down : step].astype(np.int16) for down in range(3))
+    return [picture[down : last + down : step].astype(np.int16) for down in range(3)]
+
+
+def _bright_between(picture: Picture, step: int) -> list[Int16Array]:
+    """Return three columns about bright pixels of the rows between, and the same above and below.
+
+    Where all is dark but for a stripe, one pixel in a thousand tells what brightness adds.
+    """
+    apart = max(step // 4, 1)
+    first = 1 + apart // 2
+    bright = np.flatnonzero(picture[first:-1:apart, :-2] >= _BRIGHT_FROM)
+    v, u = np.divmod(bright[:: max(-(-bright.size // _MORE_BRIGHT), 1)], picture.shape[1] - 2)
+    v, u = apart * v[:, None] + first, u[:, None] + np.arange(3)
+    return [picture[v + down, u].astype(np.int16) for down in (-1, 0, 1)]
+
+
+def _counted(top: Int16Array, middle: Int16Array, bottom: Int16Array) -> IntArray:
+    """Count pixels by level and size of the mask, shape ((levels + 1) * masks,)."""
+    if middle.size == 0:
+        return np.zeros((_LEVELS + 1) * (_LARGEST_MASK + 1), dtype=np.int64)
     bend = top - 2 * middle + bottom
     mask = np.abs(bend[:, :-2] - 2 * bend[:, 1:-1] + bend[:, 2:])
     level = (middle[:, :-2] + 2 * middle[:, 1:-1] + middle[:, 2:]) >> 2
     start = np.asarray(cv2.LUT(level.astype(np.uint8), _LEVEL_START))
-    return np.asarray(start + np.minimum(mask, _LARGEST_MASK).astype(np.uint16))
+    place: UInt16Array = start + np.minimum(mask, _LARGEST_MASK).astype(np.uint16)
+    return np.bincount(place.ravel(), minlength=(_LEVELS + 1) * (_LARGEST_MASK + 1))
 
 
 def _median_of_counts(histogram: FloatArray) -> float:
@@ -139,20 +165,14 @@ def _lower_line(
     brightness: FloatArray, variance: FloatArray, count: FloatArray
 ) -> tuple[float, float]:
     """Fit ``variance = floor + gain * brightness`` from below: structure only ever adds."""
+    design = np.column_stack([np.ones(brightness.size), brightness])
+    # A variance's own error is a share of it.
+    weight = np.sqrt(np.minimum(count, 20000.0)) / np.maximum(variance, 0.05)
     keep = np.ones(brightness.size, dtype=bool)
-    floor, gain = float(variance.min()), 0.0
-    for _ in range(4):
-        # A variance's own error is a share of it, so weigh by 1 / variance.
-        weight = np.sqrt(np.minimum(count[keep], 20000.0)) / np.maximum(variance[keep], 0.05)
-        if keep.sum() >= 2:
-            design = np.column_stack([np.ones(keep.sum()), brightness[keep]])
-            solution = np.linalg.lstsq(design * weight[:, None], variance[keep] * weight)[0]
-            floor, gain = float(solution[0]), float(solution[1])
-        if keep.sum() < 2 or gain < 0.0 or floor < 0.0:
-            gain = max(gain, 0.0) if floor > 0.0 else float(np.median(variance / brightness))
-            floor = float(np.average(variance[keep], weights=weight)) if gain == 0.0 else 0.0
-        now = variance <= 1.5 * (floor + gain * brightness) + 0.05
-        if (now == keep).all() or not now.any():
-            break
-        keep = now
-    return floor, gain
+    while keep.sum() > 1:
+        (floor, gain), _ = nnls(design[keep] * weight[keep, None], (variance * weight)[keep])
+        below = keep & (variance <= 1.5 * (floor + gain * brightness) + 0.05)
+        if (below == keep).all():
+            return float(floor), float(gain)
+        keep = below
+    return float(variance[keep][0]) if keep.any() else float(variance.min()), 0.0

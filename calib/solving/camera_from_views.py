@@ -11,22 +11,19 @@ from calib.errors import Degenerate
 from calib.homography import pose_from_homography
 from calib.rigid import RigidTransform
 from calib.solving.joint.method import camera_of, dots_answer, report_of, scale_warnings
-from calib.solving.joint.normal_equations import NormalEquations
 from calib.solving.joint.parameters import Estimate, Layout
-from calib.solving.joint.problem import Problem, Solution
-from calib.solving.joint.residuals import linearise_dots
+from calib.solving.joint.problem import Problem
 from calib.solving.joint.solve import solve
 from calib.solving.observations import Observations
 from calib.solving.prepared import PointsAnswer
 from calib.solving.start import picture_homography
+from calib.solving.supported_terms import with_supported_terms
 from calib.solving.zhang import camera_from_homographies
 from calib.target import Target
 from calib.views import View
 
 # Always estimated: focal lengths, principal point, k1, k2.
 _BASIC = tuple(PARAMETERS.index(name) for name in ("fx", "fy", "cx", "cy", "k1", "k2"))
-# Estimated where the data ask for them, in this order.
-_EXTRAS = (("p1", "p2"), ("k3",))
 # Relative standard deviations of the focal length: above the first the answer says so, above the
 # second there is none.
 _DOUBTFUL_FOCAL, _HOPELESS_FOCAL = 0.01, 0.1
@@ -75,7 +72,7 @@ def solve_camera(views: Sequence[View], target: Target, *, width: int, height: i
         on_line=np.zeros(0, dtype=bool),
     )
     solution = solve(problem, Estimate.start(camera, None, poses), near=False)
-    problem, solution = _with_supported_terms(problem, solution)
+    problem, solution = with_supported_terms(problem, solution)
     answer = camera_of(solution, problem.layout, camera)
     report = report_of(problem, solution, CameraRole.ESTIMATED)
     return CameraAnswer(
@@ -85,30 +82,6 @@ def solve_camera(views: Sequence[View], target: Target, *, width: int, height: i
         report=report,
         warnings=(*_focal_warnings(answer), *scale_warnings(report)),
     )
-
-
-def _with_supported_terms(problem: Problem, solution: Solution) -> tuple[Problem, Solution]:
-    for names in _EXTRAS:
-        extra = {PARAMETERS.index(name) for name in names}
-        layout = Layout(tuple(sorted({*problem.layout.camera, *extra})), plane=False)
-        if _is_supported(problem, solution, layout, len(names)):
-            problem = replace(problem, layout=layout)
-            solution = solve(problem, solution.estimate, near=True)
-    return problem, solution
-
-
-def _is_supported(problem: Problem, solution: Solution, layout: Layout, added: int) -> bool:
-    """Tell whether further free parameters lower the cost by more than chance does.
-
-    The fall of chi square that one Gauss-Newton step foretells (a score test) must exceed the
-    price of the Bayesian information criterion, the logarithm of the count per parameter.
-    """
-    observations, mixture = problem.observations, solution.dots_mixture
-    weights = mixture.weights(solution.dots.residual) / mixture.variance
-    linear = linearise_dots(observations, solution.estimate, layout)
-    equations = NormalEquations.of(linear, weights, observations.dots.view, observations.count)
-    fall = equations.step(damping=0.0)[2]
-    return bool(fall > added * np.log(2.0 * len(observations.dots)))
 
 
 def _focal_warnings(camera: CameraModel) -> tuple[str, ...]:
