@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from calib.arrays import FloatArray, IntArray, Picture
+from calib.arrays import FloatArray, Picture
 
 Int16Array = NDArray[np.int16]
 UInt16Array = NDArray[np.uint16]
@@ -103,10 +103,11 @@ def _variance_by_brightness(picture: Picture) -> tuple[FloatArray, FloatArray, F
     if min(picture.shape) < 3:
         return np.zeros(0), np.zeros(0), np.zeros(0)
     step = max(round(picture.size / _PIXELS), 1)
-    counted = _counted(*_rows(picture, step))
-    # By the second bin, for the first, the dark, has enough, and of it these are but the brightest.
-    second = _LEVELS // _BINS * (_LARGEST_MASK + 1)
-    counted[second:] += _counted(*_bright_between(picture, step))[second:]
+    more = _placed(*_bright_between(picture, step))
+    # The first bin, the dark, has enough, and of it these are but the brightest.
+    more = more[more >= _LEVELS // _BINS * (_LARGEST_MASK + 1)]
+    place = np.concatenate([_placed(*_rows(picture, step)), more])
+    counted = np.bincount(place, minlength=(_LEVELS + 1) * (_LARGEST_MASK + 1))
     by_level = counted.reshape(_LEVELS + 1, _LARGEST_MASK + 1)[:_LEVELS]
     masks = by_level.reshape(_BINS, -1, _LARGEST_MASK + 1).sum(axis=1)
     total = (by_level.sum(axis=1) * _BRIGHTNESS).reshape(_BINS, -1).sum(axis=1)
@@ -136,16 +137,15 @@ def _bright_between(picture: Picture, step: int) -> list[Int16Array]:
     return [picture[v + down, u].astype(np.int16) for down in (-1, 0, 1)]
 
 
-def _counted(top: Int16Array, middle: Int16Array, bottom: Int16Array) -> IntArray:
-    """Count pixels by level and size of the mask, shape ((levels + 1) * masks,)."""
+def _placed(top: Int16Array, middle: Int16Array, bottom: Int16Array) -> UInt16Array:
+    """Return level and size of the mask of each pixel, as one number."""
     if middle.size == 0:
-        return np.zeros((_LEVELS + 1) * (_LARGEST_MASK + 1), dtype=np.int64)
+        return np.zeros(0, dtype=np.uint16)
     bend = top - 2 * middle + bottom
     mask = np.abs(bend[:, :-2] - 2 * bend[:, 1:-1] + bend[:, 2:])
     level = (middle[:, :-2] + 2 * middle[:, 1:-1] + middle[:, 2:]) >> 2
     start = np.asarray(cv2.LUT(level.astype(np.uint8), _LEVEL_START))
-    place: UInt16Array = start + np.minimum(mask, _LARGEST_MASK).astype(np.uint16)
-    return np.bincount(place.ravel(), minlength=(_LEVELS + 1) * (_LARGEST_MASK + 1))
+    return np.asarray(start + np.minimum(mask, _LARGEST_MASK).astype(np.uint16)).ravel()
 
 
 def _median_of_counts(histogram: FloatArray) -> float:

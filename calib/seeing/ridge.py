@@ -20,7 +20,7 @@ KERNEL_REACH = 3.6
 FRACTIONS = 32
 """Places between pixels are taken to 1/32 px; the step from there to the top makes up the rest."""
 
-_BLOCK = 256
+_BLOCK = 512
 _PICKED = (1, 3, 2, 4, 6)  # g_u, g_v, g_uu, g_uv, g_vv of the products (v, u)
 
 
@@ -30,8 +30,6 @@ class Ridge:
 
     Attributes
     ----------
-    step_px
-        Shape (N, 2), from the place to the ridge's top (Eq. 2).
     normal
         Shape (N, 2), unit, across the ridge.
     gradient
@@ -42,7 +40,6 @@ class Ridge:
         Shape (N,), curvature along the ridge.
     """
 
-    step_px: FloatArray
     normal: FloatArray
     gradient: FloatArray
     curvature: FloatArray
@@ -59,10 +56,13 @@ class Ridge:
         normal = np.column_stack([np.cos(angle), np.sin(angle)])
         curvature = mean - half
         gradient = gu * normal[:, 0] + gv * normal[:, 1]
+        return cls(normal, gradient, curvature, mean + half)
+
+    def step_px(self) -> FloatArray:
+        """Return the steps, shape (N, 2), from the places to the ridge's top (Eq. 2)."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(curvature < 0.0, -gradient / curvature, np.inf)
-        step = np.clip(step, -1e3, 1e3)
-        return cls(step[:, None] * normal, normal, gradient, curvature, mean + half)
+            step = np.where(self.curvature < 0.0, -self.gradient / self.curvature, np.inf)
+        return np.asarray(np.clip(step, -1e3, 1e3)[:, None] * self.normal)
 
 
 def kernel_radius(sigma_px: float) -> int:

@@ -113,12 +113,13 @@ def _coarse_ridges(small: Picture, deviation: float, min_height: float) -> _Coar
     pixel = np.column_stack([u, v])
     pixel = pixel[inside(small.shape, pixel, 1)]
     ridge = Ridge.from_derivatives(_differences(smooth, pixel))
+    step_px = ridge.step_px()
     good = np.flatnonzero(
-        (np.abs(ridge.step_px) <= _HALF_PIXEL).all(axis=1)
+        (np.abs(step_px) <= _HALF_PIXEL).all(axis=1)
         & (-ridge.curvature > least)
         & (np.abs(ridge.along) < _LINE_LIKE * -ridge.curvature)
     )
-    place_px = pixel[good] + ridge.step_px[good]
+    place_px = pixel[good] + step_px[good]
     return _CoarsePoints(place_px, ridge.normal[good], -ridge.curvature[good] / noise)
 
 
