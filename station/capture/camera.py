@@ -8,10 +8,10 @@ from typing import Any
 from station.capture.aravis import Aravis, GLib
 from station.capture.burial import bury
 from station.capture.clock import ClockSample
-from station.capture.features import Features, Wanted, same
+from station.capture.common_settings import CommonSettings
+from station.capture.features import Features, Wanted
 from station.capture.gev import GevLink
 from station.capture.open_stream import open_stream
-from station.capture.packet_size import PacketSize, fitting
 from station.capture.ping import answers_ping
 from station.capture.plan import ExposureStep, Trigger
 from station.capture.ring import Ring
@@ -28,9 +28,6 @@ It has no network, so packets and resends are not tried by it; no clock; and by 
 gives frames that nobody asked for, which a recording says.
 """
 _PIXEL_FORMAT = "Mono8"
-_TRIGGER_SOURCES = {Trigger.SOFTWARE: "Software", Trigger.LINE1: "Line1"}
-_GAIN_STEP_DB = 0.4
-"""The coarsest steps of analogue gain."""
 
 
 class Camera:
@@ -52,6 +49,7 @@ class Camera:
         self._camera = _opened(settings.address)
         self._device = self._camera.get_device()
         self._features = Features(self._device, settings.address)
+        self._common = CommonSettings(self._camera, settings.address)
         self._link: GevLink | None = None
         self.tick_frequency_hz = 0
         try:
@@ -120,8 +118,7 @@ class Camera:
     def expose_as(self, step: ExposureStep) -> ExposureStep:
         """Set exposure, gain and laser for the next frame; return what the camera made of them."""
         with self._talking():
-            self._set_exposure(step.exposure_us)
-            self._set_gain(step.gain_db)
+            self._set_exposure(step.exposure_us, step.gain_db)
             if self._settings.laser_output is not None:
                 output = self._settings.laser_output
                 self._features.set(switched(output, step.laser, "laser_output"))
@@ -131,8 +128,8 @@ class Camera:
 
     def close(self, *, lost: bool) -> None:
         """Let go of a camera that is there or `lost`; it can be opened again after."""
-        remains = [self._device, self._camera, self._features, self._link]
-        del self._device, self._camera, self._features, self._link
+        remains = [self._device, self._camera, self._features, self._common, self._link]
+        del self._device, self._camera, self._features, self._common, self._link
         if lost:
             bury(remains)
 
@@ -180,86 +177,29 @@ class Camera:
             camera.set_pixel_format_from_string(_PIXEL_FORMAT)
         camera.set_acquisition_mode(Aravis.AcquisitionMode.CONTINUOUS)
         self._set_packets()
-        self._set_exposure(settings.exposure_us)
-        self._set_gain(settings.gain_db)
+        self._set_exposure(settings.exposure_us, settings.gain_db)
         self._set_trigger(Trigger(settings.trigger))
         for wanted in self._kept:
             self._features.ensure_holds(wanted)
 
     def _set_packets(self) -> None:
-        link, settings = self._link, self._settings
-        if link is None:
+        if self._link is None:
             return
-        if settings.packet_delay_ns is not None:
-            self._camera.gv_set_packet_delay(settings.packet_delay_ns)
-            self._compare("packet_delay_ns", settings.packet_delay_ns, "ns")
-        # Not Aravis' "auto": it takes packets that the path does not carry.
-        size: PacketSize = fitting(settings.packet_size, link.carries)
+        if self._settings.packet_delay_ns is not None:
+            self._common.set_packet_delay(self._settings.packet_delay_ns)
+        size = self._common.set_packet_size(self._settings.packet_size, self._link.carries)
         self._warn(EventKind.PACKET_SIZE, size.warning)
-        self._camera.gv_set_packet_size(size.used)
-        found = self._camera.gv_get_packet_size()
-        if found != size.used:
-            raise CameraRefused(
-                f"packet_size = {size.used} is asked of camera {settings.address}; it holds "
-                f"{found} after it was set: change the sensor's settings"
-            )
 
-    def _set_exposure(self, exposure_us: float | None) -> None:
+    def _set_exposure(self, exposure_us: float | None, gain_db: float | None) -> None:
         if exposure_us is not None:
-            self._check("exposure", exposure_us, "us", self._camera.get_exposure_time_bounds())
-            self._camera.set_exposure_time(exposure_us)
-            self._compare("exposure", exposure_us, "us")
-
-    def _set_gain(self, gain_db: float | None) -> None:
+            self._common.set_exposure(exposure_us)
         if gain_db is not None:
-            self._check("gain", gain_db, "dB", self._camera.get_gain_bounds())
-            self._camera.set_gain(gain_db)
-            self._compare("gain", gain_db, "dB")
-
-    def _set_frame_rate(self) -> None:
-        rate_hz = self._settings.frame_rate_hz
-        self._check("frame rate", rate_hz, "Hz", self._camera.get_frame_rate_bounds())
-        self._camera.set_frame_rate(rate_hz)
-        self._compare("frame rate", rate_hz, "Hz")
+            self._common.set_gain(gain_db)
 
     def _set_trigger(self, trigger: Trigger) -> None:
-        # The frame rate first: setting it clears the triggers.
-        self._camera.clear_triggers()
-        self._set_frame_rate()
-        if trigger is not Trigger.FREE:
-            source = _TRIGGER_SOURCES[trigger]
-            offered = list(self._camera.dup_available_trigger_sources())
-            if source not in offered:
-                raise CameraRefused(
-                    f"trigger = {trigger} is asked of camera {self._settings.address}; it takes "
-                    f"{', '.join(offered) or 'none'}: change the sensor's settings"
-                )
-            self._camera.set_trigger(source)
+        self._common.set_trigger(trigger, self._settings.frame_rate_hz)
         for wanted in of_trigger(self._settings, trigger):
             self._features.set(wanted)
-
-    def _check(self, name: str, value: float, unit: str, bounds: Any) -> None:
-        low, high = bounds
-        if not (low <= value <= high):
-            raise CameraRefused(
-                f"{name} {value:g} {unit} is asked of camera {self._settings.address}; "
-                f"it takes {low:g} to {high:g} {unit}: change the sensor's settings"
-            )
-
-    def _compare(self, name: str, wanted: float, unit: str) -> None:
-        """Read back what was just set."""
-        read = {
-            "exposure": self._camera.get_exposure_time,
-            "gain": self._camera.get_gain,
-            "frame rate": self._camera.get_frame_rate,
-            "packet_delay_ns": self._camera.gv_get_packet_delay,
-        }
-        found = float(read[name]())
-        if not same(found, wanted, _GAIN_STEP_DB if name == "gain" else 0.0):
-            raise CameraRefused(
-                f"{name} {wanted:g} {unit} is asked of camera {self._settings.address}; it holds "
-                f"{found:g} {unit} after it was set: change the sensor's settings"
-            )
 
     def _warn(self, kind: EventKind, text: str | None) -> None:
         if text is not None and (kind, text) not in self.warnings:

@@ -2,6 +2,7 @@
 
 import json
 import multiprocessing
+import os
 import socket
 import time
 from multiprocessing.process import BaseProcess
@@ -122,16 +123,19 @@ def start_capture(settings: "SensorSettings", socket_path: Path) -> BaseProcess:
     It is spawned, never forked: a fork of a process that has used Aravis carries dead threads.
     """
     process = multiprocessing.get_context("spawn").Process(
-        target=_run, args=(settings, socket_path), name=f"capture {settings.id}", daemon=True
+        target=_run,
+        args=(settings, socket_path, os.getpid()),
+        name=f"capture {settings.id}",
+        daemon=True,
     )
     process.start()
     return process
 
 
-def _run(settings: "SensorSettings", socket_path: Path) -> None:
+def _run(settings: "SensorSettings", socket_path: Path, parent_pid: int) -> None:
     from station.capture.process import run_capture  # noqa: PLC0415  only this process loads Aravis
 
-    run_capture(settings, socket_path)
+    run_capture(settings, socket_path, parent_pid)
 
 
 def _read_line(connection: socket.socket) -> bytes:

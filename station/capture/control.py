@@ -4,13 +4,23 @@ import contextlib
 import json
 import selectors
 import socket
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from station.errors import InputUnusable
+from station.errors import InputUnusable, StationError
 
 _PIECE_BYTES = 1 << 16
+
+Answer = Callable[[dict[str, Any]], None]
+"""Takes the answer to an order, now or later."""
+
+
+def refusal(error: StationError) -> dict[str, Any]:
+    """Return the answer that raises the error at the caller's."""
+    state = getattr(error, "state", None)
+    return {"error": type(error).__name__, "message": str(error), "state": state}
 
 
 @dataclass(slots=True, eq=False)
@@ -69,7 +79,7 @@ class ControlServer:
             try:
                 order = caller.next_order()
             except (TypeError, ValueError) as error:
-                caller.answer({"error": "InputUnusable", "message": f"not an order: {error}"})
+                caller.answer(refusal(InputUnusable(f"not an order: {error}")))
                 self._forget(caller)
                 continue
             if order is not None:

@@ -1,7 +1,7 @@
 """A sensor's settings as features of its camera, in the order in which cameras take them.
 
-Exposure, gain, frame rate and packets are set through Aravis, which knows how the makers differ;
-the rest goes by the names of SFNC and the older ones.
+Exposure, gain, frame rate and packets are `CommonSettings`; the rest goes by the names of SFNC and
+the older ones.
 """
 
 from collections.abc import Iterator

@@ -5,17 +5,15 @@ A wheel passes in 20 ms; no renderer keeps up with that, so the pictures wait in
 
 import os
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
 from calib import Picture
 from station.demo.scenario import Scenario
-from station.one_core import use_one_core
+from station.pool import pool_of_processes
 from station.simulated import ArraySource
 
 
@@ -45,11 +43,7 @@ def render_scenario(scenario: Scenario, folder: Path) -> Iterator[tuple[int, int
         )
         for truth in scenario.sensors
     ]
-    with ProcessPoolExecutor(
-        len(os.sched_getaffinity(0)),
-        mp_context=get_context("spawn"),
-        initializer=use_one_core,
-    ) as pool:
+    with pool_of_processes(len(os.sched_getaffinity(0))) as pool:
         pictures = pool.map(_render, tasks)
         for done, ((_, place, index), picture) in enumerate(
             zip(tasks, pictures, strict=True), start=1

@@ -6,10 +6,9 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import TypeVar
 
-from station.one_core import use_one_core
+from station.pool import pool_of_processes
 
 _START_S = 2.0
 """What it takes a process to start and import the mathematics."""
@@ -50,10 +49,7 @@ def all_cores(*, alone_s: float) -> Generator[Cores]:
     if alone_s < alone_s / count + _START_S:
         yield Cores(None)
         return
-    # Spawned, not forked: the callers hold threads.
-    with ProcessPoolExecutor(
-        count, mp_context=get_context("spawn"), initializer=use_one_core
-    ) as pool:
+    with pool_of_processes(count) as pool:
         yield Cores(pool, ahead=2 * count)
 
 

@@ -8,7 +8,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from station.capture import start_capture
-from station.serve.lifeline import end_with_parent
+from station.lifeline import end_with_parent
 from station.serve.logs import log_as
 from station.serve.sockets import socket_path
 from station.settings import SensorSettings, StationSettings
@@ -56,11 +56,11 @@ def _run_api(
     admin_key: str | None,
     supervisor_pid: int,
 ) -> None:
+    end_with_parent(supervisor_pid)  # before what takes seconds to import
     import uvicorn  # noqa: PLC0415  only this process pays for it
 
     from station.serve.assembly import assemble_api  # noqa: PLC0415  as above
 
-    end_with_parent(supervisor_pid)
     log_as("api")
     app = assemble_api(settings, run_dir, admin_key=admin_key)
     config = uvicorn.Config(

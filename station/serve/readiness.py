@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 
 import structlog
 
-from station.serve.signals import StopSignal
+from station.stop_signal import StopSignal
 
 _LOOK_EVERY_S = 0.2
 _LOOK_LASTS_S = 2.0
@@ -31,7 +31,7 @@ def begin_announcing(url: str, announce: Announce, stop: StopSignal) -> None:
 def _watch(url: str, announce: Announce, stop: StopSignal) -> None:
     began_s = time.monotonic()
     complain_s = began_s + _COMPLAIN_EVERY_S
-    while not stop.received:
+    while not stop.is_set():
         missing = missing_parts(url)
         if not missing:
             announce(url, time.monotonic() - began_s)

@@ -14,8 +14,8 @@ from station.serve.children import Child, Handle
 from station.serve.listening import listen, url_of
 from station.serve.processes import start_api, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
-from station.serve.signals import StopSignal
 from station.settings import StationSettings
+from station.stop_signal import StopSignal
 from station.store import Scope, Store, add_key, any_key, ensure_unguessable, migrate
 from station.worker import held
 
@@ -97,9 +97,9 @@ def _run(stages: Stages, stop: StopSignal) -> None:
     children = [child for stage in stages for child in stage]
     try:
         for child in reversed(children):
-            if not stop.received:
+            if not stop.is_set():
                 child.start()
-        while not stop.received:
+        while not stop.is_set():
             _wait(children, stop)
             for child in children:
                 child.mend()

@@ -25,8 +25,18 @@ from station.simulated import ArraySource, Faults, SimulatedCameraProcess
 
 NOTICED_WITHIN_S = 1.0
 BACK_WITHIN_S = 7.0
+USUAL_HEARTBEAT_S, HEARTBEAT_S = 3.0, 1.5
+"""A camera lets itself be controlled anew once its controller was silent for so long; of the usual
+time the second half would show nothing more.  Aravis speaks every second."""
+BACK_AFTER_SILENCE_WITHIN_S = BACK_WITHIN_S - (USUAL_HEARTBEAT_S - HEARTBEAT_S)
 SLACK_S = 0.5
 """Of a busy host: this test's own process and the camera's run on the same cores."""
+
+
+def impatient_sensor_at(address, **settings):
+    """Return settings that shorten the camera's heartbeat."""
+    features = {"GevHeartbeatTimeout": round(HEARTBEAT_S * 1000)}
+    return sensor_at(address, features=features, **settings)
 
 
 def is_blind(status):
@@ -54,7 +64,7 @@ def footprint(process):
 @pytest.mark.parametrize("trigger", ["free", "Line1"])
 def test_silent_camera_is_noticed_within_a_second_and_goes_on_when_it_is_back(tmp_path, trigger):
     address, path = "127.20.4.1", tmp_path / "a.mcap"
-    settings = sensor_at(address, frame_rate_hz=20.0)
+    settings = impatient_sensor_at(address, frame_rate_hz=20.0)
     with (
         small_camera(address) as camera,
         capture_of(settings, tmp_path) as (client, _),
@@ -67,9 +77,9 @@ def test_silent_camera_is_noticed_within_a_second_and_goes_on_when_it_is_back(tm
         camera.freeze()
         assert seconds_until(client, is_blind) < NOTICED_WITHIN_S + SLACK_S
         camera.thaw()
-        # The camera's heartbeat runs 3 s until it lets itself be controlled again.
+        # The camera's heartbeat must run out first: it heard nothing while it was silent.
         back = seconds_until(client, lambda status: status.state is CaptureState.RECORDING)
-        assert back < BACK_WITHIN_S + SLACK_S
+        assert back < BACK_AFTER_SILENCE_WITHIN_S + SLACK_S
         before = client.status().recorded
         if trigger == "Line1":
             assert camera.trigger_line1()
@@ -78,7 +88,7 @@ def test_silent_camera_is_noticed_within_a_second_and_goes_on_when_it_is_back(tm
     assert not report.complete
     told = {event.kind: event for event in events(path)}
     gap = told[EventKind.CAMERA_BACK].time_ns - told[EventKind.CAMERA_LOST].time_ns
-    assert 0.0 < gap / 1e9 < BACK_WITHIN_S + SLACK_S
+    assert 0.0 < gap / 1e9 < BACK_AFTER_SILENCE_WITHIN_S + SLACK_S
     assert "its last frame came" in told[EventKind.CAMERA_LOST].detail
     assert verify(path).ok
 
@@ -87,7 +97,7 @@ def test_camera_taken_by_another_program_is_said_and_opened_again_once_it_is_fre
     address, path = "127.20.4.2", tmp_path / "a.mcap"
     with (
         small_camera(address) as camera,
-        capture_of(sensor_at(address), tmp_path) as (client, _),
+        capture_of(impatient_sensor_at(address), tmp_path) as (client, _),
     ):
         wait_for(client, is_idle)
         client.arm(plan_for(path))
@@ -96,7 +106,7 @@ def test_camera_taken_by_another_program_is_said_and_opened_again_once_it_is_fre
         camera.oust()
         assert seconds_until(client, is_blind) < NOTICED_WITHIN_S + SLACK_S
         assert "another program" in client.status().problem
-        # The other one is silent: the camera's heartbeat of 3 s takes control from it.
+        # The other one is silent: the camera's heartbeat takes control from it.
         wait_for(client, lambda status: status.state is CaptureState.RECORDING)
         report = client.finish()
     assert EventKind.CAMERA_TAKEN in {event.kind for event in report.events}
@@ -158,8 +168,8 @@ def check_returns(noticed, back, footprints):
     assert megabytes[-1] - megabytes[0] < 3.0
 
 
-def test_recording_goes_on_after_each_of_three_kills(tmp_path):
-    check_returns(*kill_and_return(tmp_path, 3))
+def test_recording_goes_on_after_each_of_two_kills(tmp_path):
+    check_returns(*kill_and_return(tmp_path, 2))
 
 
 @pytest.mark.slow

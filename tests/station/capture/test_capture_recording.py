@@ -4,6 +4,7 @@ What these tests do not show: a network card, a switch, a camera of another make
 """
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from capture_rig import (
@@ -208,6 +209,25 @@ def test_trigger_that_brings_no_frame_is_an_error_and_a_loss(tmp_path, path):
         report = client.finish()
     assert (report.triggered, report.recorded, report.lost) == (3, 2, 1)
     assert not report.complete
+
+
+def test_who_waits_for_a_frame_is_told_that_the_recording_is_finished(tmp_path, path):
+    faults = Faults(lost_frames=frozenset({0}))
+    with (
+        small_camera("127.40.1.2", faults=faults) as camera,
+        capture_of(sensor_at("127.40.1.2"), tmp_path) as (client, _),
+        ThreadPoolExecutor(1) as somebody_else,
+    ):
+        client.arm(plan_for(path, "software"))
+        waiting = somebody_else.submit(client.trigger)
+        wait_for(client, lambda _: camera.statistics().exposed == 1)
+        client.finish(timeout_s=0.0)
+        with pytest.raises(CameraError, match="finished before the frame came"):
+            waiting.result()
+        # Nor does the next recording take that trigger for one of its own.
+        client.arm(plan_for(path.with_name("b.mcap"), "software"))
+        assert client.trigger() == 1
+        assert client.finish().complete
 
 
 def test_packets_that_never_come_cost_frames_but_never_the_account(tmp_path, path):

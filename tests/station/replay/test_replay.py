@@ -9,15 +9,18 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import duckdb
+import numpy as np
 import pytest
-from wheel_recordings import record, true_calibration, wheel_pictures
+from wheel_recordings import FILE_FOR_EACH_FRAME, record, true_calibration, views_of
 
 import station.pipeline.cores as pipeline_cores
+from measure import Side
 from station.cli.main import build_app, run
 from station.documents import MeasurementDocument
 from station.errors import InputUnusable
 from station.pipeline import measure_sources
 from station.replay import replay_recordings
+from station.scenes import WheelTruth
 
 CALIBRATION = true_calibration()
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
@@ -29,20 +32,30 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def passes(folder):
+def train():
+    """Return two views of each of three wheels; the last wheel is not to be seen."""
+    rng = np.random.default_rng(5)
+    seen = [
+        views_of(WheelTruth(tread_wear_mm=wear_mm), (-20.0, 0.0), rng, seed=int(wear_mm))
+        for wear_mm in (1.0, 3.0)
+    ]
+    return [*seen, [np.zeros_like(view) for view in seen[0]]]
+
+
+@pytest.fixture(scope="module")
+def passes(folder, train):
     """Return two recordings of the same name in folders of their own."""
     paths = [folder / name / "left.mcap" for name in ("monday", "tuesday")]
-    pictures = wheel_pictures()
-    for path, shown in zip(paths, (pictures, pictures[2:]), strict=True):
+    for path, shown in zip(paths, (train, train[1:]), strict=True):
         path.parent.mkdir()
         record(path, shown)
     return paths
 
 
 @pytest.fixture(scope="module")
-def damaged(folder):
+def damaged(folder, train):
     """Return a recording that is sound for longer than what is read at a time."""
-    path = record(folder / "damaged.mcap", wheel_pictures() * 2)
+    (path,) = record(folder / "damaged.mcap", train * 2)
     content = bytearray(path.read_bytes())
     content[len(content) * 11 // 12] ^= 1
     path.write_bytes(content)
@@ -82,6 +95,20 @@ def test_numbers_in_every_table_are_those_of_measuring_to_the_last_bit(passes, t
                 assert (float(text) if text else None) == value
 
 
+def test_wheel_whose_frames_lie_in_several_files_is_one_row_and_reads_the_same(train, tmp_path):
+    (whole,) = record(tmp_path / "whole.mcap", train)
+    parts = record(tmp_path / "parts.mcap", train, rotation=FILE_FOR_EACH_FRAME)
+    assert len(parts) == 6
+    found = []
+    for given in ([whole], [parts[0]], reversed(parts)):
+        report = replay_recordings(list(given), CALIBRATION, tmp_path / "r.json")
+        assert (report.recordings, report.frames, report.wheels) == (1, 6, 3)
+        wheels = MeasurementDocument.read(report.out).wheels
+        found.append([wheel.model_dump(exclude={"source"}) for wheel in wheels])
+    assert found[1] == found[2] == found[0]
+    assert [wheel["frames"] for wheel in found[0]] == [(1, 2), (3, 4), (5, 6)]
+
+
 @pytest.mark.slow
 def test_the_work_of_all_cores_is_that_of_one_to_the_last_bit(passes, tmp_path, monkeypatch):
     alone = replay_recordings(passes, CALIBRATION, tmp_path / "alone.json").out
@@ -101,8 +128,8 @@ def test_a_damaged_recording_is_named_and_the_rest_is_done(passes, damaged, tmp_
     assert "damaged.mcap" not in {row["recording"] for row in rows_of(report.out)}
 
 
-def test_what_is_no_recording_or_of_another_sensor_is_named_too(passes, tmp_path):
-    other = record(tmp_path / "right.mcap", wheel_pictures()[:1], sensor="right")
+def test_what_is_no_recording_or_of_another_sensor_is_named_too(passes, train, tmp_path):
+    (other,) = record(tmp_path / "right.mcap", train[:1], sensor="right")
     text = tmp_path / "text.mcap"
     text.write_text("no recording")
     report = replay_recordings([text, other, passes[1]], CALIBRATION, tmp_path / "r.csv")
@@ -168,3 +195,54 @@ def test_parquet_holds_the_table_with_its_types(passes, tmp_path):
         for wheel in wheels
     ]
     assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.fixture(scope="module")
+def both_sides(folder, train):
+    """Return two passes, each seen by two sensors; of the second the right one saw one wheel."""
+    paths = []
+    for name, lost in (("first", 0), ("second", 1)):
+        for sensor, shown in (("left", train[:2]), ("right", train[: 2 - lost])):
+            path = folder / name / f"{sensor}.mcap"
+            path.parent.mkdir(exist_ok=True)
+            record(path, shown, sensor=sensor)
+            paths.append(path)
+    return paths
+
+
+def placed(rows):
+    return [(row["axle"], row["side"], row["placing"], row["reason"] == "") for row in rows]
+
+
+def test_recordings_of_several_sensors_stand_pass_for_pass_axle_for_axle(both_sides, tmp_path):
+    calibrations = [CALIBRATION, true_calibration("right")]
+    sides = {side.value: side for side in Side}
+    out = tmp_path / "both.csv"
+    report = replay_recordings(both_sides, calibrations, out, sides=sides)
+    assert (report.recordings, report.wheels, report.measured) == (4, 8, 7)
+    assert report.frames == 14
+    rows = rows_of(out)
+    whole = [(n, side, "inferred", True) for n in "12" for side in ("left", "right")]
+    assert placed(rows) == [*whole, *whole[:3], ("2", "right", "inferred", False)]
+    prints = {one.sensor: one.fingerprint for one in calibrations}
+    assert all(row["calibration"] == prints[row["sensor"]] for row in rows)
+    # The same readings as of one sensor alone, to the last digit.
+    replay_recordings(both_sides[:1], CALIBRATION, tmp_path / "one.csv")
+    alone = [row["tread_wear"] for row in rows_of(tmp_path / "one.csv")]
+    assert [row["tread_wear"] for row in rows[:4:2]] == alone
+
+
+def test_a_sensor_whose_side_is_not_known_is_measured_and_put_on_no_axle(both_sides, tmp_path):
+    calibrations = [CALIBRATION, true_calibration("right")]
+    out = tmp_path / "both.csv"
+    replay_recordings(both_sides[:2], calibrations, out, sides={"left": Side.LEFT})
+    assert [row["axle"] for row in rows_of(out)] == ["1", "2", "", ""]
+
+
+def test_a_recording_without_calibration_is_refused_and_the_others_stand(both_sides, tmp_path):
+    calibrations = [CALIBRATION, true_calibration("middle")]
+    report = replay_recordings(both_sides[:2], calibrations, tmp_path / "r.csv")
+    assert (report.recordings, report.wheels) == (1, 2)
+    assert "is of sensor right but the calibrations are of left, middle" in report.refused[0].reason
+    with pytest.raises(InputUnusable, match="two calibrations of one sensor"):
+        replay_recordings(both_sides, [CALIBRATION, CALIBRATION], tmp_path / "r.csv")

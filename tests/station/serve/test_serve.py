@@ -95,8 +95,7 @@ class Service:
 
 
 def runs(pid):
-    with contextlib.suppress(ProcessLookupError):
-        os.kill(pid, 0)
+    with contextlib.suppress(FileNotFoundError, ProcessLookupError):
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     return False
 

@@ -15,6 +15,10 @@ with warnings.catch_warnings():
 
 _TRIES = 200
 _BLOCK_S = 0.02  # packets reach Aravis in blocks, after 5 ms at the latest
+_RETENTION_S = 5.0
+_LONGER_THAN_RETENTION_S = _RETENTION_S + 1.0
+"""Frames come in order: one of which a packet is gone for good holds all others up, then comes as
+it is.  Who waits for less long sees no frame at all, and not why."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,7 @@ class Receiver:
 
     def __enter__(self):
         self._stream = self._open_stream()
-        self._stream.set_property("frame-retention", 5_000_000)
+        self._stream.set_property("frame-retention", round(_RETENTION_S * 1e6))
         # A receiver that was not given the processor for a while misses most of a frame.
         self._stream.set_property("packet-request-ratio", 1.0)
         for _ in range(self._buffers):
@@ -74,7 +78,7 @@ class Receiver:
             del stream
         raise TimeoutError("other cameras send so much that no stream can be opened cleanly")
 
-    def next(self, timeout_s=3.0):
+    def next(self, timeout_s=_LONGER_THAN_RETENTION_S):
         """Return the next frame, or None where none comes in time."""
         buffer = self._stream.timeout_pop_buffer(round(timeout_s * 1e6))
         if buffer is None:
@@ -87,7 +91,7 @@ class Receiver:
         self._stream.push_buffer(buffer)
         return received
 
-    def take(self, count, timeout_s=3.0):
+    def take(self, count, timeout_s=_LONGER_THAN_RETENTION_S):
         """Return `count` frames, fewer where they stop coming."""
         frames = []
         while len(frames) < count:

@@ -1,0 +1,24 @@
+"""Processes that calculate for this one, one core each."""
+
+import os
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+from station.lifeline import end_with_parent
+from station.one_core import use_one_core
+
+
+def pool_of_processes(count: int) -> ProcessPoolExecutor:
+    """Return a pool whose processes end with this one, and not before the thread that uses it.
+
+    By themselves they would wait for work for ever after this one was killed.  They are spawned,
+    never forked: the callers hold threads.
+    """
+    return ProcessPoolExecutor(
+        count, mp_context=get_context("spawn"), initializer=_begin, initargs=(os.getpid(),)
+    )
+
+
+def _begin(parent_pid: int) -> None:
+    end_with_parent(parent_pid)
+    use_one_core()

@@ -1,0 +1,1 @@
+"""Makes what the folders below share importable: `wheel_recordings`."""
