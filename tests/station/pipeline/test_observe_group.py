@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib import Cause, Target, TargetNotFound, TargetPoints, observe_target
+from calib import Cause, Target, TargetNotFound, observe_target
 from station.errors import InputUnusable
 from station.pipeline import observe_sources
 from station.pipeline.exposures import Exposure
 from station.pipeline.frames import Frame
 from station.pipeline.observe import poses_of
-from station.pipeline.observe_group import Shot, best_points, observe_group
+from station.pipeline.observe_group import Shot, observe_group
 from station.recording import Event, EventKind, RecordingWriter
 from station.scenes import Light, paper_sensor, target_scenes
 
@@ -72,6 +72,20 @@ def test_dots_come_from_where_they_do_not_clip(shots):
     assert view.points.cause.count(Cause.SATURATED) <= 2
 
 
+def test_dots_are_the_means_of_all_shots_that_show_them_well():
+    """In dim light what the shots err in is their own: two tell more than one."""
+    rng = np.random.default_rng(7)
+    (scene,) = target_scenes(rng, paper_sensor(), TARGET, [Light.DIM])
+    on, off = scene.render(rng), replace(scene, laser_on=False).render(rng)
+    dark = Shot("off", off, how(1e4, False))
+    alone = observe_group([dark], TARGET)
+    both = observe_group([dark, Shot("on", on, how(1e4, True))], TARGET)
+    # Independent of each other, two of one light would come to 0.71; a crossed one stays alone.
+    assert np.median(both.points.sigma_px) < 0.85 * np.median(alone.points.sigma_px)
+    assert set(both.points.cause) == {Cause.NONE}  # crossed with the laser on, whole without
+    assert both.name == "on"
+
+
 def test_stripe_is_found_where_its_own_exposure_shows_no_dot():
     """A laser thirteen times as bright as the dots: at a fiftieth they have three counts."""
     rng = np.random.default_rng(5)
@@ -105,26 +119,6 @@ def test_pose_that_shows_no_target_says_so():
     black = np.zeros((200, 300), dtype=np.uint8)
     with pytest.raises(TargetNotFound, match="dark: no pattern"):
         observe_group([Shot("dark", black, how(10.0, True))], TARGET)
-
-
-def points(causes, sigmas):
-    count = len(causes)
-    return TargetPoints(
-        row=np.zeros(count),
-        col=np.arange(count),
-        centre_px=np.array([[sigma, float(col)] for col, sigma in enumerate(sigmas)]),
-        sigma_px=np.array([[sigma, sigma] for sigma in sigmas]),
-        cause=tuple(causes),
-    )
-
-
-def test_each_dot_is_taken_where_nothing_speaks_against_it_then_where_it_is_sharpest():
-    good, bad = Cause.NONE, Cause.SATURATED
-    one = points([good, good, bad], [0.3, 0.1, 0.1])
-    other = points([good, bad, bad], [0.2, 0.05, 0.3])
-    best = best_points([one, other])
-    assert best.sigma_px[:, 0].tolist() == [0.2, 0.1, 0.1]
-    assert best.cause == (good, good, bad)
 
 
 @pytest.mark.parametrize(
