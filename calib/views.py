@@ -125,7 +125,7 @@ class StripePoints:
             width_px=self.width_px[index],
             peak=self.peak[index],
             saturated=self.saturated[index],
-            cause=tuple(self.cause[i] for i in index),
+            cause=tuple(map(self.cause.__getitem__, index.tolist())),
         )
 
 

@@ -19,13 +19,28 @@ class Axle:
     ----------
     x_mm, z_mm
         Place in the rig frame; z is the wheel's radius at the tape circle.
-    covariance
-        Shape (2, 2), of (x, z), mm².
+    by_place_mm, by_radius_mm, by_height_mm
+        Shape (2,): by how much (x, z) is off for one sigma of what was taken for known: where
+        along the rail the axle stands, the wheel's radius, the height of its tread. The first is
+        another in every picture, the other two are the same in all pictures of a wheel.
     """
 
     x_mm: float
     z_mm: float
-    covariance: FloatArray
+    by_place_mm: FloatArray
+    by_radius_mm: FloatArray
+    by_height_mm: FloatArray
+
+    @classmethod
+    def exact(cls, x_mm: float, z_mm: float) -> "Axle":
+        """Make an axle whose place is not in doubt."""
+        return cls(x_mm, z_mm, np.zeros(2), np.zeros(2), np.zeros(2))
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Of (x, z), shape (2, 2), mm²."""
+        causes = np.stack([self.by_place_mm, self.by_radius_mm, self.by_height_mm])
+        return np.asarray(causes.T @ causes)
 
     def map(self, mounting: Mounting) -> AxleMap:
         """Return the section map by this axle."""
@@ -58,6 +73,11 @@ def solve_axle(tread_in_rig_mm: FloatArray, mounting: Mounting, radial_x_mm: flo
     sigma_axle_x) and the equation true to sigma_height, the most probable (x, R) is found by
     Gauss-Newton. Near a radial cut the section depends on the error left in it to second order
     only; a sheet that comes from straight below does not tell x, and the prior then stands.
+
+    The error of (x, R) is linear in those of the three things assumed; with :math:`\Lambda` the
+    matrix of the normal equations and g the slope of the equation it is
+    :math:`\Lambda^{-1} (e_x / \sigma_x^2, e_R / \sigma_R^2)^T - \Lambda^{-1} g e_h / \sigma_h^2`,
+    whose parts make up :math:`\Lambda^{-1}`.
     """
     prior = np.array([radial_x_mm, mounting.wheel_radius_mm])
     sigma = np.array([mounting.sigma_axle_x_mm, mounting.sigma_radius_mm])
@@ -74,6 +94,11 @@ def solve_axle(tread_in_rig_mm: FloatArray, mounting: Mounting, radial_x_mm: flo
         state -= step
         if np.abs(step).max() < 1e-6:
             break
+    covariance = np.linalg.inv(normal)
     return Axle(
-        float(state[0]), float(state[1]), frozen(np.linalg.inv(normal), (2, 2), "covariance")
+        float(state[0]),
+        float(state[1]),
+        by_place_mm=frozen(covariance[:, 0] / sigma[0], (2,), "by_place_mm"),
+        by_radius_mm=frozen(covariance[:, 1] / sigma[1], (2,), "by_radius_mm"),
+        by_height_mm=frozen(covariance @ slope / mounting.sigma_height_mm, (2,), "by_height_mm"),
     )

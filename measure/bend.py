@@ -54,15 +54,12 @@ def _curvature(stripe: StripePoints) -> FloatArray:
     f = step_u * normal_u[:, None] + step_v * normal_v[:, None]
     turned = normal_u[near] * normal_u[:, None] + normal_v[near] * normal_v[:, None]
     weight = ((np.abs(turned) > _SAME_WAY) & (distance < _REACH_PX)).astype(np.float64)
-    powers = [weight]
-    for _ in range(4):
-        powers.append(powers[-1] * s)
-    sums = [power.sum(axis=1) for power in powers]
-    moments = np.stack([(powers[k] * f).sum(axis=1) for k in range(3)], axis=1)
-    normal = np.array([[sums[i + j] for j in range(3)] for i in range(3)]).transpose(2, 0, 1)
+    design = np.stack([weight, weight * s, weight * s * s], axis=1)
+    powers = np.stack([np.ones_like(s), s, s * s, f], axis=2)
+    normal, moments = np.split(design @ powers, [3], axis=2)
     # A point by itself bends nothing: a trace of stiffness keeps its equations solvable.
     normal = normal + np.eye(3) * [1e-9, 1e-6, 1e-3]
-    return np.asarray(2.0 * np.linalg.solve(normal, moments[:, :, None])[:, 2, 0])
+    return np.asarray(2.0 * np.linalg.solve(normal, moments)[:, 2, 0])
 
 
 def _spread_along(stripe: StripePoints) -> FloatArray:

@@ -4,19 +4,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from calib import BoolArray, Cause, FloatArray, IntArray, StripePoints
+from measure.belonging import can_be_wheel, mostly_wheel
+from measure.bumps import bumps
 from measure.layers import one_layer
-from measure.noise import Noise, noise_of, rest_of, robust_sigma
+from measure.melted import melted
+from measure.noise import Noise, noise_of, rest_of
 from measure.pieces import MIN_PIECE, pieces, sizes
 from measure.template import Template
+from measure.upright import false_back
 
-# A wheel wears inward; it lies outward where its profile is another than the reference: flanges
-# of one railway are thicker by 4 mm than those of another, and metal that rolls over makes a lip.
-_OUTSIDE_MM = (-14.0, 6.0)
-_BEYOND_END_MM = 1.0
-_SMOOTHING_POINTS = 21
+_SMOOTHING_POINTS, _AROUND_POINTS = 21, 31
 _REJECT_SIGMAS = 4.0
+_ALONE_SHARE = 0.9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,45 +65,53 @@ def keep_wheel(
         Perhaps of no points.
     """
     along, outside, nearest = template.place(points_mm)
-    in_band = np.flatnonzero(_can_be_wheel(along, outside, nearest, template))
-    piece = pieces(stripe.centre_px[in_band], stripe.normal[in_band])
-    hanging = in_band[sizes(piece) >= MIN_PIECE]
+    inside = can_be_wheel(along, outside, nearest, template)
+    whole = pieces(stripe.centre_px, stripe.normal)
+    in_band = np.flatnonzero(inside & mostly_wheel(inside, along, whole, template))
+    hanging = _no_specks(in_band, stripe)
     unworn = template.is_unworn(along[hanging])
     first = hanging[one_layer(along[hanging], outside[hanging], unworn)]
-    ordered = first[np.argsort(along[first], kind="stable")]
+    apart = first[~melted(stripe.select(first))]
+    single = _no_specks(apart, stripe) if len(apart) < len(first) else first
+    ordered = single[np.argsort(along[single], kind="stable")]
+    width = sigma_mm / stripe.sigma_px * stripe.width_px
 
-    kept = ordered[_inliers(along[ordered], outside[ordered], sigma_mm[ordered])]
-    width = sigma_mm[kept] / stripe.sigma_px[kept] * stripe.width_px[kept]
+    def noise(index: IntArray) -> Noise:
+        smooth = template.wears_smoothly(along[index])
+        return noise_of(along[index], outside[index], sigma_mm[index], width[index], smooth)
+
+    alone = len(ordered) >= _ALONE_SHARE * len(points_mm)
+    false = false_back(points_mm[ordered], nearest[ordered], template, alone=alone)
+    upright = ordered[~false]
+    sigma = noise(upright).sigma_mm
+    steady = _inliers(along[upright], outside[upright], sigma)
+    calm, sigma = upright[steady], sigma[steady]
+    smooth = template.wears_smoothly(along[calm])
+    kept = calm[~bumps(along[calm], outside[calm], sigma, smooth)]
     left_out = {
-        Cause.STRAY_LIGHT: len(points_mm) - len(hanging),
+        Cause.STRAY_LIGHT: len(points_mm) - len(hanging) + len(ordered) - len(upright),
         Cause.GLARE: len(hanging) - len(ordered),
-        Cause.OUTLIER: len(ordered) - len(kept),
+        Cause.OUTLIER: len(upright) - len(kept),
     }
     return Kept(
         index=kept,
         along_mm=along[kept],
-        noise=noise_of(
-            along[kept],
-            outside[kept],
-            sigma_mm[kept],
-            width,
-            template.wears_smoothly(along[kept]),
-        ),
+        noise=noise(kept),
         left_out={cause: count for cause, count in left_out.items() if count},
     )
 
 
-def _can_be_wheel(
-    along_mm: FloatArray, outside_mm: FloatArray, nearest: IntArray, template: Template
-) -> BoolArray:
-    low, high = _OUTSIDE_MM
-    on_profile = along_mm < template.along_mm[-1] + _BEYOND_END_MM
-    # The back face does not wear: what lies behind it is something else.
-    floor = np.where(nearest < template.back_count, -high, low)
-    return np.asarray((outside_mm > floor) & (outside_mm < high) & on_profile)
+def _no_specks(index: IntArray, stripe: StripePoints) -> IntArray:
+    """Return those of some points that hang together with enough others of them."""
+    return index[sizes(pieces(stripe.centre_px[index], stripe.normal[index])) >= MIN_PIECE]
 
 
 def _inliers(along_mm: FloatArray, outside_mm: FloatArray, sigma_mm: FloatArray) -> BoolArray:
-    """Tell which points lie where their neighbours say, within what is usual on this stripe."""
+    """Tell which points lie where their neighbours say, within what is usual beside them.
+
+    Usual is their own sigma with the stripe's speckle, or the scatter around if it is larger:
+    where light grazes, and where wear has left edges, all points are rough and none is wrong.
+    """
     score = rest_of(along_mm, outside_mm, _SMOOTHING_POINTS) / sigma_mm
-    return np.asarray(np.abs(score) <= _REJECT_SIGMAS * max(1.0, robust_sigma(score)))
+    around = 1.4826 * median_filter(np.abs(score), _AROUND_POINTS, mode="nearest")
+    return np.asarray(np.abs(score) <= _REJECT_SIGMAS * np.maximum(1.0, around))

@@ -3,7 +3,8 @@
 MeasureError
 ├── ReferenceUnknown       a reference profile that is not known
 ├── ReferenceInvalid       points that do not make a reference profile
-└── ProfileTextInvalid     a profile text that does not parse
+├── ProfileTextInvalid     a profile text that does not parse
+└── PieceInvalid           corners that do not make a reference piece
 
 A wheel that cannot be measured is no error: it is a result with a reason.
 """
@@ -23,3 +24,7 @@ class ReferenceInvalid(MeasureError):
 
 class ProfileTextInvalid(MeasureError):
     """The text holds no wheel profile."""
+
+
+class PieceInvalid(MeasureError):
+    """The corners or figures do not describe a reference piece."""

@@ -15,7 +15,10 @@ _SUPPORT_MM = 2.5
 _SIN_TANGENT = 0.42  # 25 degrees: a worn face is steeper by as much
 _MIN_SHARE = 0.3
 _MIN_TIP_SHARE = 0.5
-_RIVAL_SHARE = 0.8
+# What a rival needs of the best one's support: another wheel, and the same place by another light.
+_RIVAL_SHARE, _SHADOW_SHARE = 0.8, 0.5
+WHEELS_APART_MM, NARROWEST_RIM_MM = 30.0, 100.0
+"""Flanges farther aside than the first are not of one wheel; those of two are a rim apart."""
 # Nearer than this, across and up, it is the same flange again.
 _RIVAL_DISTANCE_MM = (30.0, 8.0)
 _MOST_SIGHTINGS = 4
@@ -60,23 +63,32 @@ def find_flanges(voters: Voters, template: Template) -> tuple[Sighting, ...]:
 
     Each point votes for the shifts that put it on a point of the template's flange with the same
     direction, on a side that the camera can see. A shift with many votes is a flange; strays
-    vote everywhere. Tread wear moves no flange, and so not the vote. A second sighting with
-    nearly as much support is a second wheel, or the wheel again by a reflection of the sheet.
+    vote everywhere. Tread wear moves no flange, and so not the vote. Another sighting is a
+    second wheel, if it lies aside and has nearly as much support, or the wheel again by another
+    light: of the two the true one may be the dimmer, and half the support suffices.
     """
     few = voters.thinned()
     chosen = template.flange()[::_EVERY]
     difference = few.points_mm[:, None] - template.points_mm[chosen]
     shifts = difference[_agrees(few, template, chosen)]
     found: list[Sighting] = []
-    while len(shifts) and len(found) < _MOST_SIGHTINGS:
-        sighting = _peak(shifts, few, template)
-        least = _RIVAL_SHARE * found[0].share if found else 0.0
-        if not (sighting.credible and sighting.share >= least):
+    for _ in range(_MOST_SIGHTINGS):
+        if not len(shifts):
             break
-        found.append(sighting)
+        sighting = _peak(shifts, few, template)
+        if not sighting.credible:
+            break
+        if not found or _rivals(sighting, found[0]):
+            found.append(sighting)
         near = np.abs(shifts - sighting.shift_mm) < _RIVAL_DISTANCE_MM
         shifts = shifts[~near.all(axis=1)]
     return tuple(found)
+
+
+def _rivals(one: Sighting, best: Sighting) -> bool:
+    """Whether a sighting has enough support to be looked at beside the best."""
+    aside = abs(one.shift_mm[0] - best.shift_mm[0]) > WHEELS_APART_MM
+    return bool(one.share >= (_RIVAL_SHARE if aside else _SHADOW_SHARE) * best.share)
 
 
 def _agrees(few: Voters, template: Template, chosen: IntArray) -> BoolArray:

@@ -12,7 +12,7 @@ from measure.gauges import Gauged, gauge
 from measure.laying import Laid, Unmeasured, lay_by_axle
 from measure.mounting import Mounting
 from measure.pieces import MIN_PIECE, pieces, sizes
-from measure.quantities import Quantity, Status
+from measure.quantities import ASSUMED_BACK_SIGMA_MM, NEEDS_BACK, Quantity, Status
 from measure.reference import BACK_Y_MM, ReferenceProfile
 from measure.registration import see_back_face
 from measure.section import SheetPoints
@@ -24,17 +24,10 @@ MIN_STRIPE_POINTS = 100
 """A picture with fewer points on its stripe shows no wheel."""
 WINDOW_MM = 3.0
 """Half-width of the pieces of profile that are smoothed."""
-# What a flange back that is only inferred from the shape of the flange may be off.
-_ASSUMED_BACK_SIGMA_MM = 0.5
 _BACK_STEP_MM = 0.1
-# How much of the correction for the bend of a stripe may be wrong: on rendered wheels a third of
-# it is left on the tip, and as much again where light grazes the surface.
-_BEND_SHARE = 0.7
-_NEEDS_BACK = (
-    Quantity.FLANGE_THICKNESS_10,
-    Quantity.FLANGE_THICKNESS_12,
-    Quantity.FLANGE_GRADIENT_QR,
-)
+# How much of the correction for the bend of a stripe may be wrong: on rendered wheels none of it is
+# left on the tip, four tenths where the face runs out into the throat, a half on a sharp worn edge.
+_BEND_SHARE = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +119,7 @@ def _read(
     budgets = _budgets(gauged, _motions(laid, sensor))
     if back.status is not Status.OK:
         budgets = _with_assumed_back(budgets, gauged, curve, back, reference)
-    refused = () if back.status is Status.OK or assume_back else _NEEDS_BACK
+    refused = () if back.status is Status.OK or assume_back else NEEDS_BACK
     values = {
         quantity: Value(found.estimate.value, budgets[quantity], _status(found, laid))
         for quantity, found in gauged.found.items()
@@ -188,7 +181,7 @@ def _with_assumed_back(
     for quantity, budget in budgets.items():
         after = moved.found.get(quantity) if moved is not None else None
         change = after.estimate.value - gauged.found[quantity].estimate.value if after else 0.0
-        off = change / _BACK_STEP_MM * _ASSUMED_BACK_SIGMA_MM
+        off = change / _BACK_STEP_MM * ASSUMED_BACK_SIGMA_MM
         budgets[quantity] = Budget(budget.single_mm, np.append(budget.shared_mm, off))
     return budgets
 

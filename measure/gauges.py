@@ -8,18 +8,22 @@ import numpy as np
 from calib import FloatArray
 from measure.curve import Curve, Found
 from measure.estimate import Estimate
+from measure.gauge_levels import EN_15313, TAPE_D_MM, GaugeLevels
 from measure.quantities import Quantity, Status
 from measure.reference import ReferenceProfile
 
-TAPE_D_MM = 70.0
-"""Distance of the tape circle from the flange back."""
 _TIP_D_MM = (4.0, 40.0)
-_TREAD_WINDOW = 1.5
+_TREAD_WINDOW = 2.0
 # The running tread, clear of the throat and of the chamfer.
 _TREAD_D_MM = (56.0, 118.0)
 _HOLLOW_D_MM = (56.0, 126.0)
 _MIN_TREAD_SHARE = 0.7
-_TREAD_SMOOTHING_MM = 2.5
+_TREAD_SMOOTHING_MM = 5.0
+# The place of the greatest wear is sought on a smoother tread than its depth is read off: of many
+# places the one is taken else whose noise makes it deepest.
+_WEAR_SMOOTHING_MM = 8.0
+# A hollow's low and high place are farther apart: what rises over less is noise.
+_HOLLOW_LENGTH_MM = 5.0
 
 _ORDER = (Status.OK, Status.EXTRAPOLATED, Status.REFERENCE_ASSUMED, Status.MISSING)
 
@@ -43,7 +47,12 @@ class Gauged:
     wear_max_at_d_mm: float | None
 
 
-def gauge(curve: Curve, back: Found, reference: ReferenceProfile) -> Gauged | None:
+def gauge(
+    curve: Curve,
+    back: Found,
+    reference: ReferenceProfile,
+    levels: GaugeLevels = EN_15313,
+) -> Gauged | None:
     """Read all gauges off a curve.
 
     Parameters
@@ -55,6 +64,8 @@ def gauge(curve: Curve, back: Found, reference: ReferenceProfile) -> Gauged | No
         the reference, its status says so, and with it that of every reading.
     reference
         What wear is counted from.
+    levels
+        Where flange height, thickness and gradient are taken, where not as EN 15313 says.
 
     Returns
     -------
@@ -66,14 +77,18 @@ def gauge(curve: Curve, back: Found, reference: ReferenceProfile) -> Gauged | No
     if crest is None:
         return None
     tip = crest
-    readings = _flange_readings(curve, nodes, back, tip)
+    readings = _flange_readings(curve, nodes, back, tip, levels)
     if Quantity.FLANGE_HEIGHT in readings:
         height = readings[Quantity.FLANGE_HEIGHT]
-        nominal = reference.nominal[Quantity.FLANGE_HEIGHT]
-        wear = replace(height, estimate=height.estimate - nominal)
-        # Aligned at back and tip, the height lost at d = 70 is the loss of Sh (wheel.md's words
-        # for it differ by trade, the number does not).
-        readings |= {Quantity.TREAD_WEAR: wear, Quantity.TREAD_WEAR_AT_70: wear}
+        readings[Quantity.TREAD_WEAR] = _wear(height, levels.tape_d_mm, reference)
+        # Aligned at back and tip, the height lost at d = 70 is the loss of the Sh taken there.
+        drop = (
+            height
+            if levels.tape_d_mm == TAPE_D_MM
+            else _drop_to(TAPE_D_MM, curve, nodes, back, tip)
+        )
+        if drop is not None:
+            readings[Quantity.TREAD_WEAR_AT_70] = _wear(drop, TAPE_D_MM, reference)
     wear_max, at_d = _greatest_wear(curve, nodes, back, tip, reference)
     hollow = _hollow(curve, nodes, back)
     optional = {Quantity.TREAD_WEAR_MAX: wear_max, Quantity.HOLLOW_DEPTH: hollow}
@@ -82,26 +97,26 @@ def gauge(curve: Curve, back: Found, reference: ReferenceProfile) -> Gauged | No
 
 
 def _flange_readings(
-    curve: Curve, nodes: FloatArray, back: Found, tip: Found
+    curve: Curve, nodes: FloatArray, back: Found, tip: Found, levels: GaugeLevels
 ) -> dict[Quantity, Found]:
-    tread = _height_at(curve, nodes, back.estimate + TAPE_D_MM)
+    tread = _height_at(curve, nodes, back.estimate + levels.tape_d_mm)
     if tread is None:
         return {}
     level = tread.estimate
     readings = {Quantity.FLANGE_HEIGHT: _combined(tip.estimate - level, tip, tread, back)}
-    face_10 = _face_at(curve, nodes, level + 10.0, tip.estimate.value)
+    lower = _face_at(curve, nodes, level + levels.face_mm, tip.estimate.value)
     face_12 = _face_at(curve, nodes, level + 12.0, tip.estimate.value)
-    near_tip = _face_at(curve, nodes, tip.estimate - 2.0, tip.estimate.value)
+    near_tip = _face_at(curve, nodes, tip.estimate - levels.below_tip_mm, tip.estimate.value)
     for quantity, face in (
-        (Quantity.FLANGE_THICKNESS_10, face_10),
+        (Quantity.FLANGE_THICKNESS_10, lower),
         (Quantity.FLANGE_THICKNESS_12, face_12),
     ):
         if face is not None:
             thickness = face.estimate - back.estimate
             readings[quantity] = _combined(thickness, face, tread, back)
-    if face_10 is not None and near_tip is not None:
-        gradient = face_10.estimate - near_tip.estimate
-        readings[Quantity.FLANGE_GRADIENT_QR] = _combined(gradient, face_10, near_tip, tread, back)
+    if lower is not None and near_tip is not None:
+        gradient = lower.estimate - near_tip.estimate
+        readings[Quantity.FLANGE_GRADIENT_QR] = _combined(gradient, lower, near_tip, tread, back)
     return readings
 
 
@@ -143,51 +158,77 @@ def _greatest_wear(
     curve: Curve, nodes: FloatArray, back: Found, tip: Found, reference: ReferenceProfile
 ) -> tuple[Found | None, float | None]:
     """Read the wear where the smoothed tread lies deepest below the reference."""
-    tread = _tread(nodes, back, _TREAD_D_MM)
+    # What is smoothed is the wear: the tread itself bends towards the throat.
+    outside = nodes[:, 1] - reference.height_mm(nodes[:, 0] - back.estimate.value - TAPE_D_MM)
+    tread = _tread(nodes, outside, back, _TREAD_D_MM, _WEAR_SMOOTHING_MM)
     if tread is None:
         return None, None
-    d, r = tread
-    at_d = float(d[np.argmax(reference.height_mm(d - TAPE_D_MM) - r)])
-    height = _height_at(curve, nodes, back.estimate + at_d)
-    if height is None:
-        return None, None
+    d, over_reference = tread
+    at_d = float(d[np.argmin(over_reference)])
+    drop = _drop_to(at_d, curve, nodes, back, tip)
+    return (_wear(drop, at_d, reference), at_d) if drop is not None else (None, None)
+
+
+def _drop_to(d_mm: float, curve: Curve, nodes: FloatArray, back: Found, tip: Found) -> Found | None:
+    """Return how far the tread lies below the tip at a place."""
+    height = _height_at(curve, nodes, back.estimate + d_mm)
+    return (
+        _combined(tip.estimate - height.estimate, tip, height, back) if height is not None else None
+    )
+
+
+def _wear(drop: Found, d_mm: float, reference: ReferenceProfile) -> Found:
+    """Return by how much a drop from the tip at a place exceeds the reference's."""
     nominal = reference.nominal[Quantity.FLANGE_HEIGHT]
-    drop = tip.estimate - height.estimate
-    wear = drop + (float(reference.height_mm(at_d - TAPE_D_MM)) - nominal)
-    return _combined(wear, tip, height, back), at_d
+    surplus = float(reference.height_mm(d_mm - TAPE_D_MM)) - nominal
+    return replace(drop, estimate=drop.estimate + surplus)
 
 
 def _hollow(curve: Curve, nodes: FloatArray, back: Found) -> Found | None:
     """Read how far the tread lies below the highest place on its field side."""
-    tread = _tread(nodes, back, _HOLLOW_D_MM)
+    tread = _tread(nodes, nodes[:, 1], back, _HOLLOW_D_MM, _TREAD_SMOOTHING_MM)
     if tread is None:
         return None
     d, r = tread
-    high = int(np.argmax(r - np.minimum.accumulate(r)))
-    low = int(np.argmin(r[: high + 1]))
-    if high == low:  # It falls all the way to the field side, as a new one does.
-        return Found(Estimate.exact(0.0, len(curve)), back.status)
+    apart = int(np.searchsorted(d, d[0] + _HOLLOW_LENGTH_MM))
+    if not len(d) > apart:
+        return None
+    high = apart + int(np.argmax(r[apart:] - np.minimum.accumulate(r)[:-apart]))
+    low = int(np.argmin(r[: high - apart + 1]))
     top = _height_at(curve, nodes, back.estimate + float(d[high]))
     bottom = _height_at(curve, nodes, back.estimate + float(d[low]))
     if top is None or bottom is None:
         return None
     depth = top.estimate - bottom.estimate
-    if not depth.value > 0.0:
+    if not depth.value > 0.0:  # It falls all the way to the field side, as a new one does.
         depth = Estimate(0.0, depth.gradient)
     return _combined(depth, top, bottom, back)
 
 
 def _tread(
-    nodes: FloatArray, back: Found, span_d_mm: tuple[float, float]
+    nodes: FloatArray,
+    height_mm: FloatArray,
+    back: Found,
+    span_d_mm: tuple[float, float],
+    smoothing_mm: float,
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return d and r of the tread, smoothed, every millimetre of a span; None if too much hides."""
+    """Return d and smoothed height of the tread, every millimetre of a span.
+
+    `height_mm` is that of each node over anything smooth; None is where too much hides.
+    """
     d_nodes = nodes[:, 0] - back.estimate.value
     on_tread = (d_nodes > TAPE_D_MM - 20.0) & (nodes[:, 1] < nodes[:, 1].max() - 14.0)
-    d_seen, r_seen = d_nodes[on_tread], nodes[on_tread, 1]
+    # Beyond the span lie throat and chamfer: no mean of the tread may take them in.
+    on_tread &= np.isfinite(height_mm) & (d_nodes >= span_d_mm[0]) & (d_nodes <= span_d_mm[1])
+    d_seen, seen_mm = d_nodes[on_tread], height_mm[on_tread]
     d = np.arange(span_d_mm[0], span_d_mm[1] + 0.5)
-    near = np.abs(d[:, None] - d_seen)
-    share = near <= _TREAD_SMOOTHING_MM
-    seen = share.sum(axis=1) >= 3
+    beside = d_seen - d[:, None]
+    near = (np.abs(beside) <= smoothing_mm).astype(np.float64)
+    seen = near.sum(axis=1) >= 3.0
     if not seen.mean() >= _MIN_TREAD_SHARE:
         return None
-    return d[seen], (share[seen] @ r_seen) / share[seen].sum(axis=1)
+    # Lines, not means: at the ends of the span all neighbours lie on one side.
+    near, beside = near[seen], beside[seen] * near[seen]
+    count, first, second = near.sum(axis=1), beside.sum(axis=1), (beside**2).sum(axis=1)
+    sloped = second * (near @ seen_mm) - first * (beside @ seen_mm)
+    return d[seen], sloped / (count * second - first**2)

@@ -8,18 +8,18 @@ import numpy as np
 from calib import Cause, FloatArray, LaserSensor
 from measure.axle import Axle, solve_axle
 from measure.cleaning import Kept, keep_wheel
-from measure.flange import Voters, find_flanges
+from measure.flange import NARROWEST_RIM_MM, WHEELS_APART_MM, Voters, find_flanges
 from measure.mounting import Mounting
 from measure.noise import Noise
-from measure.registration import best_shift, refine_shift
+from measure.registration import best_shift, refine_shift, tip_misfit_mm
 from measure.section import AxleMap, Section, SheetPoints, radial_place_mm
 from measure.template import Template
 
 MIN_WHEEL_POINTS = 60
-WHEELS_APART_MM = 30.0
+# S1002 by LMA is off by 0.3: more is no flange, or none that the laser drew.
+MOST_TIP_MISFIT_MM = 0.5
 _MIN_TREAD_POINTS = 20
 _TREAD_HALF_MM = 12.0
-_AXLE_ROUNDS = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,9 +69,9 @@ def lay_by_axle(
 ) -> Laid | Unmeasured:
     """Lay a stripe over the reference with the survey's directions and the axle it shows."""
     radial_x = radial_place_mm(sensor, mounting, sheet.points_in_cam_mm)
-    axle = Axle(radial_x, mounting.wheel_radius_mm, np.zeros((2, 2)))
+    axle = Axle.exact(radial_x, mounting.wheel_radius_mm)
     section = Section.of(sheet, axle.map(mounting))
-    shift = place_of_flange(section, template)
+    shift = place_of_flange(section, sheet, template)
     if isinstance(shift, Unmeasured):
         return shift
     kept = keep(section, sheet, shift, template)
@@ -79,20 +79,21 @@ def lay_by_axle(
         return kept
     wheel = sheet.select(kept.index).unbent(sensor)
     section = Section.of(wheel, axle.map(mounting))
-    for _ in range(_AXLE_ROUNDS):
-        tread = _tread_in_rig(wheel, section, shift, mounting)
-        if tread is None:
-            return Unmeasured(
-                "half a wheel: the tread at the tape circle is not seen; look at the field of view"
-            )
-        axle = solve_axle(tread, mounting, radial_x)
-        before, section = section, Section.of(wheel, axle.map(mounting))
-        # A new axle moves all radii at once, by far more than a refinement reaches.
-        moved = np.median(section.points_mm - before.points_mm, axis=0)
-        shift = refine_shift(section.points_mm, shift + moved, template)
+    tread = _tread_in_rig(wheel, section, shift, mounting)
+    if tread is None:
+        return Unmeasured(
+            "half a wheel: the tread at the tape circle is not seen; look at the field of view, "
+            "and for glare"
+        )
+    # Once: which points lie beside the tape circle is lateral, and no axle changes that.
+    axle = solve_axle(tread, mounting, radial_x)
+    before, section = section, Section.of(wheel, axle.map(mounting))
+    # A new axle moves all radii at once, by far more than a refinement reaches.
+    moved = np.median(section.points_mm - before.points_mm, axis=0)
+    shift = refine_shift(section.points_mm, shift + moved, template)
     section_map = axle.map(mounting)
     outward = section_map.outward_in_rig(wheel.points_in_cam_mm)[:, [0, 2]]
-    once, radius = _axle_motions(outward, axle)
+    once, held = _axle_motions(outward, axle)
     tilts = _tilt_motions(outward, section.points_mm - shift, mounting)
     offset, yaw = _obliqueness(sensor, section_map, wheel)
     return Laid(
@@ -103,13 +104,15 @@ def lay_by_axle(
         noise=kept.noise,
         left_out=kept.left_out,
         once_mm=once,
-        shared_mm=np.concatenate([radius, tilts], axis=2),
+        shared_mm=np.concatenate([held, tilts], axis=2),
         axle_offset_mm=offset,
         sheet_yaw_rad=yaw,
     )
 
 
-def place_of_flange(section: Section, template: Template) -> FloatArray | Unmeasured:
+def place_of_flange(
+    section: Section, sheet: SheetPoints, template: Template
+) -> FloatArray | Unmeasured:
     """Return the shift that lays a section's one flange over the reference.
 
     A sheet that is reflected draws the wheel a second time. Laid out by the true sheet, its
@@ -122,11 +125,16 @@ def place_of_flange(section: Section, template: Template) -> FloatArray | Unmeas
             f"no wheel: nothing like a flange among {len(section.points_mm)} stripe points"
         )
     apart = max(abs(flange.shift_mm[0] - flanges[0].shift_mm[0]) for flange in flanges)
-    if apart > WHEELS_APART_MM:
+    if WHEELS_APART_MM < apart < NARROWEST_RIM_MM:
+        return Unmeasured(
+            f"no wheel: two shapes like a flange {apart:.0f} mm apart; a rim is wider than that"
+        )
+    if apart >= NARROWEST_RIM_MM:
         return Unmeasured(
             f"two wheels: flanges {apart:.0f} mm apart in one picture; one is allowed"
         )
-    return best_shift(section.points_mm, [flange.shift_mm for flange in flanges], template)
+    shifts = [flange.shift_mm for flange in flanges]
+    return best_shift(section.points_mm, sheet.stripe, shifts, template)
 
 
 def keep(
@@ -140,6 +148,18 @@ def keep(
             f"{MIN_WHEEL_POINTS} needed"
         )
     return kept
+
+
+def out_of_form(section: Section, shift_mm: FloatArray, template: Template) -> Unmeasured | None:
+    """Tell whether a laid section has no flange's form, or None where it has."""
+    misfit_mm = tip_misfit_mm(section.points_mm - shift_mm, template)
+    if misfit_mm <= MOST_TIP_MISFIT_MM:
+        return None
+    return Unmeasured(
+        f"no wheel: the flange's tip is {misfit_mm:.1f} mm off the reference's form, "
+        f"{MOST_TIP_MISFIT_MM} at most; look for light that is not the laser's, or give the "
+        "reference of this wheel"
+    )
 
 
 def _tread_in_rig(
@@ -156,13 +176,18 @@ def _tread_in_rig(
 
 
 def _axle_motions(outward: FloatArray, axle: Axle) -> tuple[FloatArray, FloatArray]:
-    """Split what is not known of the axle: its place in this picture, and the wheel's radius."""
-    sigma_radius = np.sqrt(axle.covariance[1, 1])
-    by_radius = axle.covariance[:, 1] / sigma_radius
-    rest = np.sqrt(max(axle.covariance[0, 0] - by_radius[0] ** 2, 0.0))
-    place, radius = -outward[:, :1] * rest, -outward @ by_radius[:, None]
-    still = np.zeros_like(place)
-    return np.stack([still, place], axis=1), np.stack([still, radius], axis=1)
+    """Return what doubt of the axle lets the points do: afresh, and alike in all pictures.
+
+    Over the 0.1 s that a wheel is in view its radius, the rail and the load on it stay as they are.
+    """
+    afresh = -outward @ axle.by_place_mm[:, None]
+    alike = -outward @ np.column_stack([axle.by_radius_mm, axle.by_height_mm])
+    return _radially(afresh), _radially(alike)
+
+
+def _radially(motion_mm: FloatArray) -> FloatArray:
+    """Return motions of r, shape (N, K), as motions of (a, r), shape (N, 2, K)."""
+    return np.stack([np.zeros_like(motion_mm), motion_mm], axis=1)
 
 
 def _tilt_motions(outward: FloatArray, places_mm: FloatArray, mounting: Mounting) -> FloatArray:

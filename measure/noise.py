@@ -1,18 +1,22 @@
 """How the points of a stripe scatter about a smooth profile: speckle, and what neighbours share."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.ndimage import median_filter
-from scipy.signal import savgol_filter
 
 from calib import BoolArray, FloatArray
 
 _GAP_MM = 2.0
 _MEDIAN_POINTS = 9
-# Long enough to see what neighbours share, short enough that wear is smooth over it: 17 mm.
-_LONG_POINTS = 61
-_MAX_LAG = 30
+# Long enough to see what neighbours share, short enough that wear is smooth over it: 12 mm.
+_LONG_POINTS = 45
+_LAGS = np.arange(1, 5)
+# The spread over which neighbours share their errors, in points, that is looked for.
+_SPREADS = np.linspace(0.3, 8.0, 78)  # of 0.3 nothing is shared
+_FEWEST_POINTS = 120
+_CHANCE_SIGMAS = 3.0
 _CLIP_SIGMAS = 3.0
 _ROUNDS = 3
 _MOST_HIDDEN = 0.5
@@ -98,8 +102,27 @@ def rest_of(along_mm: FloatArray, outside_mm: FloatArray, points: int) -> FloatA
         rough = height - median_filter(height, _MEDIAN_POINTS, mode="nearest")
         gross = np.abs(rough) > 6.0 * max(robust_sigma(rough), 1e-6)
         steady = np.where(gross, height - rough, height)
-        rest[run] = height - savgol_filter(steady, points, 2)
+        rest[run] = height - _running_parabola(steady, points)
     return rest
+
+
+def _running_parabola(values: FloatArray, points: int) -> FloatArray:
+    """Return the middle of a parabola through `points` neighbours, an odd number, at each place.
+
+    At both ends it is the first and the last parabola itself.
+    """
+    hat = _hat_of_parabola(points)
+    half = points // 2
+    inner = np.convolve(values, hat[half], mode="valid")  # the middle row reads the same backwards
+    ends = hat[:half] @ values[:points], hat[half + 1 :] @ values[-points:]
+    return np.concatenate([ends[0], inner, ends[1]])
+
+
+@lru_cache(maxsize=4)
+def _hat_of_parabola(points: int) -> FloatArray:
+    """Return what takes values to those of the parabola through them, (points, points)."""
+    design = np.vander(np.linspace(-1.0, 1.0, points), 3)
+    return np.asarray(design @ np.linalg.pinv(design))
 
 
 def robust_sigma(values: FloatArray) -> float:
@@ -117,16 +140,20 @@ def _hidden(points: int, run_points: float) -> float:
 
 
 def _run_points(score: FloatArray, hidden: float) -> float:
-    """Return 1 + 2 (sum of the correlations of neighbours), as far as they are there."""
-    power = float(np.mean(score**2)) if len(score) > 4 * _MAX_LAG else 0.0
+    r"""Return 1 + 2 (sum of the correlations of neighbours).
+
+    The kernel that locates a stripe and the optics that blur its speckle are both bells: errors
+    r points apart are correlated by :math:`\exp(-r^2 / 4 s^2)`. The spread s is told by the nearest
+    neighbours; adding up the correlations found out to where they vanish would add up their noise.
+    """
+    power = float(np.mean(score**2)) if len(score) >= _FEWEST_POINTS else 0.0
     if not power > 0.0:
         return 1.0
-    length = 1.0
-    for lag in range(1, _MAX_LAG + 1):
-        seen = float(np.mean(score[lag:] * score[:-lag])) / power
-        # What the parabola took is missing from all correlations alike.
-        correlation = seen * (1.0 - hidden) + hidden
-        if correlation < 3.0 / np.sqrt(len(score)):
-            break
-        length += 2.0 * correlation
-    return length
+    seen = np.array([np.mean(score[lag:] * score[:-lag]) for lag in _LAGS]) / power
+    # What the parabola took is missing from all correlations alike.
+    together = float(np.sum(seen * (1.0 - hidden) + hidden))
+    if not together > _CHANCE_SIGMAS * np.sqrt(len(_LAGS) / len(score)):
+        return 1.0
+    expected = np.exp(-((_LAGS / _SPREADS[:, None]) ** 2) / 4.0).sum(axis=1)
+    spread = float(np.interp(together, expected, _SPREADS))
+    return 2.0 * float(np.sqrt(np.pi)) * spread

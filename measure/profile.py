@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import FloatArray, frozen
+from measure.gauge_levels import TAPE_D_MM
+from measure.quantities import Quantity
+from measure.reference import ReferenceProfile
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,3 +46,23 @@ class Profile:
     def points_mm(self) -> FloatArray:
         """(d, h), shape (N, 2)."""
         return np.column_stack([self.d_mm, self.h_mm])
+
+    def aligned(self, tip_mm: float, reference: ReferenceProfile) -> "Profile":
+        """Return the profile raised so that its tip, now at a height, is as high as a reference's.
+
+        The tip does not wear: what is then missing below the reference is wear.
+        """
+        rise = reference.nominal[Quantity.FLANGE_HEIGHT] - tip_mm
+        return Profile(self.d_mm, self.h_mm + rise, self.sigma_mm)
+
+    def wear_mm(self, reference: ReferenceProfile) -> FloatArray:
+        """Return reference minus height from the tip to the field side, aligned as the profile is.
+
+        Returns
+        -------
+        wear_mm
+            Shape (N,); NaN behind the tip, where nothing wears, and where the reference ends.
+        """
+        wear = reference.height_mm(self.d_mm - TAPE_D_MM) - self.h_mm
+        tip_d = self.d_mm[int(np.argmax(self.h_mm))] if len(self) else 0.0
+        return np.where(self.d_mm >= tip_d, wear, np.nan)

@@ -24,6 +24,26 @@ class Quantity(StrEnum):
     HOLLOW_DEPTH = "hollow_depth"
     """Depth of the tread's hollow below the level of its field-side high point."""
 
+    @property
+    def grows_with_wear(self) -> bool:
+        """Whether wear makes it greater; it thins the flange and steepens its face."""
+        return self not in {
+            Quantity.FLANGE_THICKNESS_10,
+            Quantity.FLANGE_THICKNESS_12,
+            Quantity.FLANGE_GRADIENT_QR,
+        }
+
+
+NEEDS_BACK = frozenset({
+    Quantity.FLANGE_THICKNESS_10,
+    Quantity.FLANGE_THICKNESS_12,
+    Quantity.FLANGE_GRADIENT_QR,
+})
+"""What is not given where the flange back is not seen, unless the user allows it."""
+
+ASSUMED_BACK_SIGMA_MM = 0.5
+"""What a flange back that is only inferred may be off."""
+
 
 class Status(StrEnum):
     """How a value was come by."""

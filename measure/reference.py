@@ -16,6 +16,8 @@ from measure.segments import Arc, Chords, Line, Polynomial, Segment
 
 BACK_Y_MM = -70.0
 """Lateral place of the flange back; the tape circle is at 0."""
+_BELONGS_MM = 0.1
+_COUNTED_FROM_IT = (Quantity.TREAD_WEAR, Quantity.TREAD_WEAR_AT_70, Quantity.TREAD_WEAR_MAX)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,11 +32,18 @@ class ReferenceProfile:
         Its pieces from the flange back to the field side.
     nominal
         What the gauges read on it, mm: flange height, thicknesses and gradient.
+    height_sigma_mm
+        Standard deviation of its heights below its tip; zero of a drawing.
     """
 
     name: str
     segments: tuple[Segment, ...]
     nominal: Mapping[Quantity, float]
+    height_sigma_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.height_sigma_mm >= 0.0:
+            raise ReferenceInvalid(f"{self.name}: a sigma of {self.height_sigma_mm} mm; 0 or more")
 
     @classmethod
     def from_segments(cls, name: str, segments: tuple[Segment, ...]) -> "ReferenceProfile":
@@ -57,8 +66,8 @@ class ReferenceProfile:
         name
             What it is called in results.
         y_mm, z_mm
-            Shape (N,), in profile coordinates, in any order; points on the back face
-            (y <= -70) are left out. The height at the tape circle becomes zero.
+            Shape (N,), in profile coordinates, in any order; of the back face (y <= -70) the
+            uppermost point counts. The height at the tape circle becomes zero.
 
         Raises
         ------
@@ -68,9 +77,7 @@ class ReferenceProfile:
         y, z = np.asarray(y_mm, dtype=np.float64), np.asarray(z_mm, dtype=np.float64)
         if not (y.ndim == 1 and y.shape == z.shape and np.isfinite([y, z]).all()):
             raise ReferenceInvalid(f"{name}: y and z must be equally many finite numbers")
-        ahead = y > BACK_Y_MM
-        y, first = np.unique(y[ahead], return_index=True)
-        z = z[ahead][first]
+        y, z = _front(y, z)
         if not (len(y) >= 50 and y[0] <= BACK_Y_MM + 5.0 and y[-1] >= 10.0):
             seen = f"{len(y)} points, y {y[0]:.1f} to {y[-1]:.1f}" if len(y) else "no points"
             raise ReferenceInvalid(
@@ -78,6 +85,46 @@ class ReferenceProfile:
                 "from y = -65 or less to 10 or more"
             )
         return cls.from_segments(name, (Chords(y, z - np.interp(0.0, y, z)),))
+
+    @classmethod
+    def measured(
+        cls,
+        name: str,
+        points_mm: FloatArray,
+        nominal: Mapping[Quantity, float],
+        height_sigma_mm: float,
+    ) -> "ReferenceProfile":
+        """Make a reference of a new wheel that was measured, with what the gauges read on it.
+
+        Parameters
+        ----------
+        name
+            What it is called in results.
+        points_mm
+            Shape (N, 2), (y, z), smoothed.
+        nominal
+            The gauges' own readings, mm: taken off the points once more they would carry the
+            points' noise a second time.
+        height_sigma_mm
+            Standard deviation of the heights below the tip.
+
+        Raises
+        ------
+        ReferenceInvalid
+            If the points make no reference, or do not belong to the readings.
+        """
+        shape = cls.from_points(name, *points_mm.T)
+        for quantity, read_mm in shape.nominal.items():
+            if not abs(nominal.get(quantity, np.nan) - read_mm) <= _BELONGS_MM:
+                raise ReferenceInvalid(
+                    f"{name}: {quantity.value} of the points is {read_mm:.3f} mm, stated "
+                    f"{nominal.get(quantity)}; points and readings must be of one wheel"
+                )
+        return cls(name, shape.segments, MappingProxyType(dict(nominal)), height_sigma_mm)
+
+    def sigma_mm(self, quantity: Quantity) -> float:
+        """Return what a reading owes to the reference itself: only wear is counted from it."""
+        return self.height_sigma_mm if quantity in _COUNTED_FROM_IT else 0.0
 
     @property
     def start_mm(self) -> float:
@@ -143,6 +190,29 @@ class ReferenceProfile:
         drops = np.arange(round(back_face_mm / step_mm), 0, -1) * step_mm
         back = np.column_stack([np.full(len(drops), front[0, 0]), front[0, 1] - drops])
         return np.concatenate([back, front])
+
+
+def _front(y_mm: FloatArray, z_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the points with rising y, from the flange back on, one height for each place.
+
+    The flange back itself is upright: where its points scatter about y = -70 they would make
+    heights that jump. From the tip down, each point that lies nearer to the back is taken, until
+    one is on it.
+    """
+    if not len(y_mm):
+        return y_mm, z_mm
+    tip = int(np.argmax(z_mm))
+    down = np.flatnonzero(y_mm < y_mm[tip])
+    down = down[np.argsort(-z_mm[down], kind="stable")]
+    before = np.minimum.accumulate(np.concatenate([[y_mm[tip]], y_mm[down]]))[:-1]
+    nearer = (y_mm[down] < before) & (before > BACK_Y_MM)
+    flange = down[nearer][::-1]
+    rest = np.flatnonzero(y_mm >= y_mm[tip])
+    rest = rest[np.unique(y_mm[rest], return_index=True)[1]]
+    order = np.concatenate([flange, rest])
+    y, z = y_mm[order], z_mm[order]
+    # The point on the back ends the profile at y = -70 exactly, where the back face begins.
+    return np.maximum(y, BACK_Y_MM), z
 
 
 def _nominal_readings(profile: ReferenceProfile) -> dict[Quantity, float]:

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import FloatArray
+from calib import BoolArray, FloatArray, IntArray, StripePoints
+from measure.belonging import can_be_wheel, mostly_wheel
+from measure.pieces import pieces
 from measure.template import Template
 
 _ROUNDS = 6
@@ -15,6 +17,7 @@ _CLOSE_MM = 1.2
 _ON_MM = 0.1
 _CLEAR_SHARE = 0.8
 _BESIDE_MM = ((0.0, 0.0), (0.0, -2.5), (0.0, 2.5), (-2.0, 0.0), (2.0, 0.0))
+_EVERY = 3  # points, while places are tried
 _HUBER_MM = 0.1
 # Holds the place where too little is seen to move it, and yields to any real evidence.
 _PRIOR_MM = 3.0
@@ -69,14 +72,19 @@ def refine_shift(
 
 
 def best_shift(
-    points_mm: FloatArray, shifts_mm: Sequence[FloatArray], template: Template
+    points_mm: FloatArray,
+    stripe: StripePoints,
+    shifts_mm: Sequence[FloatArray],
+    template: Template,
 ) -> FloatArray:
-    """Return the shift that lays most points on the unworn side of the reference.
+    """Return the shift that lays one whole profile on the reference, unworn side on unworn side.
 
     Parameters
     ----------
     points_mm
         Shape (N, 2), (a, r).
+    stripe
+        The same points in the picture.
     shifts_mm
         Where flanges seem to be. Around each, places beside it are tried too: a stripe and its
         reflection may overlap, and the vote then falls between them.
@@ -87,18 +95,50 @@ def best_shift(
     -------
     shift_mm
         Shape (2,), refined.
+
+    Notes
+    -----
+    A stripe of another light than the laser's, laid out by the laser's sheet, is out of shape: its
+    flange fits the reference less well, and where its flange fits its tread does not. And it is
+    wider: reflection and penumbra spread light, nothing makes it narrower than the laser's sheet.
+    What counts is therefore the fit of the unworn side times the share of the profile that is
+    there, over the square of the stripe's width.
     """
-    plain = [refine_shift(points_mm, shift, template) for shift in shifts_mm]
-    if len(plain) == 1 and _clear(points_mm - plain[0], template):
-        return plain[0]
+    if len(shifts_mm) == 1:
+        plain = refine_shift(points_mm, shifts_mm[0], template)
+        if _clear(points_mm - plain, template):
+            return plain
+    piece = pieces(stripe.centre_px, stripe.normal)
+    best_mm, best_points, best_merit = shifts_mm[0], points_mm, -1.0
+    for shift in shifts_mm:
+        mine = _own(points_mm - shift, piece, template)
+        if not mine.any():
+            continue
+        own, width_px = points_mm[mine], float(np.median(stripe.width_px[mine]))
+        few = own[::_EVERY]
+        for refined in _tried(few, shift, template):
+            merit = _merit(few - refined, template) / width_px**2
+            if merit > best_merit:
+                best_mm, best_points, best_merit = refined, own, merit
+    return refine_shift(best_points, best_mm, template, near_mm=_CLOSE_MM)
+
+
+def _tried(points_mm: FloatArray, shift_mm: FloatArray, template: Template) -> list[FloatArray]:
+    """Return refined shifts, from one and, where that leaves doubt, from places beside it."""
+    refined = refine_shift(points_mm, shift_mm, template)
+    if _clear(points_mm - refined, template):
+        return [refined]
     beside = [
-        refine_shift(points_mm, shift + step, template, near_mm=_CLOSE_MM)
-        for shift in shifts_mm
-        for step in _BESIDE_MM
+        refine_shift(points_mm, refined + step, template, near_mm=_CLOSE_MM) for step in _BESIDE_MM
     ]
-    tried = plain + beside
-    support = [_support(points_mm - shift, template) for shift in tried]
-    return tried[int(np.argmax(support))]
+    return [refined, *beside]
+
+
+def _own(points_mm: FloatArray, piece: IntArray, template: Template) -> BoolArray:
+    """Tell which points hang together with a wheel that lies so."""
+    along, outside, nearest = template.place(points_mm)
+    inside = can_be_wheel(along, outside, nearest, template)
+    return inside & mostly_wheel(inside, along, piece, template)
 
 
 def _clear(points_mm: FloatArray, template: Template) -> bool:
@@ -108,10 +148,22 @@ def _clear(points_mm: FloatArray, template: Template) -> bool:
     return len(near) > 0 and float(np.mean(near < _ON_MM)) > _CLEAR_SHARE
 
 
-def _support(points_mm: FloatArray, template: Template) -> float:
-    """Count the points on the unworn side of the reference, the nearer the more."""
-    along, outside, _ = template.place(points_mm)
-    return float(np.sum(np.exp(-0.5 * (outside[template.is_unworn(along)] / _ON_MM) ** 2)))
+def _merit(points_mm: FloatArray, template: Template) -> float:
+    """Count the points on the unworn side, the nearer the more, times the share of profile seen."""
+    along, outside, nearest = template.place(points_mm)
+    fit = np.sum(np.exp(-0.5 * (outside[template.is_unworn(along)] / _ON_MM) ** 2))
+    running = np.unique(nearest[nearest > template.tip])
+    return float(fit) * len(running) / (len(template) - template.tip)
+
+
+def tip_misfit_mm(points_mm: FloatArray, template: Template) -> float:
+    """Return how far laid points, (y, z), lie off the unworn arc of the tip, by their median.
+
+    Zero where none is seen there: that the tip hides is told by whoever reads it.
+    """
+    along, outside, nearest = template.place(points_mm)
+    arc = np.abs(outside[template.is_unworn(along) & (nearest >= template.back_count)])
+    return float(np.median(arc)) if len(arc) else 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 
 from calib import FloatArray, LaserSensor
 from measure.flange import Voters, find_flanges
-from measure.laying import Laid, Unmeasured, keep, place_of_flange
+from measure.laying import Laid, Unmeasured, keep, out_of_form, place_of_flange
 from measure.section import Section, SheetMap, SheetPoints
 from measure.template import Template
 
@@ -49,13 +49,13 @@ def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) ->
             f"no wheel: no way to turn {len(sheet)} stripe points lays them over the reference"
         )
     section = Section.of(sheet, lie.map(sensor))
-    shift = place_of_flange(section, template)
+    shift = place_of_flange(section, sheet, template)
     if isinstance(shift, Unmeasured):
         return shift
     lie, shift = _refined(sheet, sensor, lie, shift, template)
     section = Section.of(sheet, lie.map(sensor))
     # Again, now that the direction is exact: a second wheel shows only then.
-    shift = place_of_flange(section, template)
+    shift = place_of_flange(section, sheet, template)
     if isinstance(shift, Unmeasured):
         return shift
     kept = keep(section, sheet, shift, template)
@@ -63,6 +63,8 @@ def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) ->
         return kept
     wheel = sheet.select(kept.index).unbent(sensor)
     section = Section.of(wheel, lie.map(sensor))
+    if (misshapen := out_of_form(section, shift, template)) is not None:
+        return misshapen
     y, z = (section.points_mm - shift).T
     turn = np.stack([z, -y], axis=1) * _SIGMA_ROTATION_RAD
     squeeze = np.stack([np.zeros_like(z), z], axis=1) * _SIGMA_HEIGHT_SCALE

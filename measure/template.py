@@ -75,6 +75,10 @@ class Template:
         """Tell which places are on the back and the tip of the flange, which do not wear."""
         return np.asarray(along_mm < self.along_mm[self.tip] + _PAST_TIP_MM)
 
+    def is_tread(self, nearest: IntArray) -> BoolArray:
+        """Tell which points of the template lie on the running tread, clear of the throat."""
+        return np.asarray(self.points_mm[nearest, 0] > _THROAT_END_Y_MM)
+
     def wears_smoothly(self, along_mm: FloatArray) -> BoolArray:
         """Tell which places are clear of the flange face and the throat, where edges wear in."""
         start = self.along_mm[self.tip] + _PAST_TIP_MM

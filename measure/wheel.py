@@ -14,7 +14,7 @@ from measure.mounting import Mounting
 from measure.profile import Profile
 from measure.quantities import Quantity, Reading, Status
 from measure.reference import ReferenceProfile
-from measure.uncertainty import COVERAGE_FACTOR, MODEL_FLOOR_MM
+from measure.uncertainty import COVERAGE_FACTOR, PICTURE_FLOOR_MM
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,7 +143,7 @@ def measure_wheel(
     if not seen:
         return _nothing(frames, unmeasured)
     best = min(seen, key=lambda number: _doubt(seen[number]))
-    joined = {quantity: _join(quantity, list(seen.values())) for quantity in Quantity}
+    joined = {quantity: _join(quantity, list(seen.values()), reference) for quantity in Quantity}
     readings = {
         quantity: _reading(quantity, *value, limits) if value is not None else Reading.missing()
         for quantity, value in joined.items()
@@ -174,7 +174,7 @@ def _doubt(frame: FrameReadings) -> tuple[int, float]:
 
 
 def _join(
-    quantity: Quantity, frames: Sequence[FrameReadings]
+    quantity: Quantity, frames: Sequence[FrameReadings], reference: ReferenceProfile
 ) -> tuple[float, float, Status] | None:
     """Join the values of several pictures: value, u95, status."""
     values = [frame.values[quantity] for frame in frames if quantity in frame.values]
@@ -182,7 +182,9 @@ def _join(
         equals = [value for value in values if value.status is status]
         if equals:
             mean, sigma = generalised_mean(equals)
-            return mean, COVERAGE_FACTOR * float(np.hypot(sigma, MODEL_FLOOR_MM)), status
+            # What a measured reference may be off no number of pictures averages away.
+            parts = [sigma, PICTURE_FLOOR_MM, reference.sigma_mm(quantity)]
+            return mean, COVERAGE_FACTOR * float(np.hypot.reduce(parts)), status
     return None
 
 
@@ -190,7 +192,7 @@ def generalised_mean(values: Sequence[Value]) -> tuple[float, float]:
     """Return mean and sigma of values that share causes of error, by generalised least squares."""
     shared = np.stack([value.budget.shared_mm for value in values])
     single = np.array([value.budget.single_mm for value in values])
-    covariance = np.diag(single**2 + MODEL_FLOOR_MM**2) + shared @ shared.T
+    covariance = np.diag(single**2 + PICTURE_FLOOR_MM**2) + shared @ shared.T
     weight = np.linalg.solve(covariance, np.ones(len(values)))
     weight /= weight.sum()
     variance = np.sum((weight * single) ** 2) + np.sum((weight @ shared) ** 2)

@@ -1,7 +1,7 @@
 """The calls a trackside controller makes, in Python; `README.md` shows the same with curl."""
 
 import time
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 from urllib.parse import quote
@@ -48,13 +48,18 @@ class StationClient:
         except httpx.TransportError:
             return False
 
-    def arm_pass(self, pass_id: str, *, train: str | None = None) -> Answer:
-        """Say that a train comes; the same call twice is one pass."""
-        return self._call("PUT", f"/v1/passes/{_part(pass_id)}", {"train": train})
+    def arm_pass(
+        self, pass_id: str, *, train: str | None = None, consist: Sequence[str] | None = None
+    ) -> Answer:
+        """Say that a train comes, and on which wheelsets; the same call twice is one pass."""
+        body = {"train": train, "consist": None if consist is None else list(consist)}
+        return self._call("PUT", f"/v1/passes/{_part(pass_id)}", body)
 
-    def finish_pass(self, pass_id: str, *, triggers: Mapping[str, int]) -> Answer:
-        """Say that the train has gone, and how often each sensor was triggered."""
-        body = {"triggers": dict(triggers)}
+    def finish_pass(
+        self, pass_id: str, *, triggers: Mapping[str, int], axles: int | None = None
+    ) -> Answer:
+        """Say that the train has gone, its axles, and how often each sensor was triggered."""
+        body = {"triggers": dict(triggers), "axles": axles}
         return self._call("POST", f"/v1/passes/{_part(pass_id)}/finish", body)
 
     def wheels(self, pass_id: str) -> list[Answer]:

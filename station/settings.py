@@ -6,8 +6,6 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import (
-    BaseModel,
-    ConfigDict,
     Field,
     StringConstraints,
     ValidationError,
@@ -21,15 +19,26 @@ from pydantic_settings import (
 )
 
 from station.errors import InputUnusable
+from station.settings_limits import LimitSettings, LimitsSettings
+from station.settings_section import Section
+
+__all__ = [
+    "ExposureSettings",
+    "LimitSettings",
+    "LimitsSettings",
+    "MountingSettings",
+    "RegionSettings",
+    "SensorId",
+    "SensorSettings",
+    "StationSettings",
+    "StorageSettings",
+    "load_settings",
+]
 
 SensorId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_-]{0,31}$")]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
-
-
-class MountingSettings(_Section):
+class MountingSettings(Section):
     """How a sensor sits beside the track: the survey of its installation."""
 
     rotation_vector: tuple[float, float, float]
@@ -40,7 +49,7 @@ class MountingSettings(_Section):
     """Nominal radius of the wheels at the tape circle, mm."""
 
 
-class RegionSettings(_Section):
+class RegionSettings(Section):
     """The part of the sensor chip that is read out; what is absent stays as large as it can be."""
 
     offset_x_px: int = Field(default=0, ge=0)
@@ -57,7 +66,7 @@ class RegionSettings(_Section):
     """Rows of the chip that make one of the picture."""
 
 
-class ExposureSettings(_Section):
+class ExposureSettings(Section):
     """One frame of an exposure sequence."""
 
     exposure_us: float = Field(gt=0.0)
@@ -68,7 +77,12 @@ class ExposureSettings(_Section):
     """Whether the laser shines; switching it needs `laser_output`."""
 
 
-class SensorSettings(_Section):
+def _negative(value: object) -> bool:
+    # What is no number is refused by the mounting itself.
+    return isinstance(value, int | float) and value < 0.0
+
+
+class SensorSettings(Section):
     """One sensor: a camera, its laser, and where it stands."""
 
     id: SensorId
@@ -76,7 +90,11 @@ class SensorSettings(_Section):
     address: str
     """IP address of the camera; Fake_1 is the one that Aravis brings for trials."""
     side: Literal["left", "right"] = "left"
-    """The side of the train whose wheels it sees."""
+    """The side of the train whose wheels it sees; absent: that of its mounting, else left.
+
+    As rig y points to the field on both sides, sensors that mirror each other across the track
+    stand at opposite x of their rigs: at x below 0 it is taken for the right one.
+    """
     trigger: Literal["free", "software", "Line1"] = "Line1"
     """What starts an exposure in a pass."""
     exposure_us: float | None = Field(default=None, gt=0.0)
@@ -112,6 +130,17 @@ class SensorSettings(_Section):
     mounting: MountingSettings | None = None
     """Where the sensor stands; wheel sections need it."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _side_of_mounting(cls, given: object) -> object:
+        if not isinstance(given, dict) or given.get("side") is not None:
+            return given
+        mounting = given.get("mounting")
+        survey = mounting.model_dump() if isinstance(mounting, MountingSettings) else mounting
+        place = survey.get("translation_mm") if isinstance(survey, dict) else None
+        mirrored = isinstance(place, list | tuple) and len(place) == 3 and _negative(place[0])
+        return {**given, "side": "right" if mirrored else "left"}
+
     @model_validator(mode="after")
     def _laser_can_be_switched(self) -> Self:
         dark = any(not step.laser for step in self.calibration_exposures)
@@ -127,7 +156,7 @@ class SensorSettings(_Section):
         return self
 
 
-class StorageSettings(_Section):
+class StorageSettings(Section):
     """The disk: how long files grow, what is kept free, and what makes way."""
 
     rotate_s: float | None = Field(default=60.0, gt=0.0)
@@ -154,7 +183,7 @@ class StorageSettings(_Section):
     """Measured recordings older than so many days are deleted; absent: they stay."""
 
 
-class StationSettings(_Section):
+class StationSettings(Section):
     """The whole station."""
 
     name: str = "treadline"
@@ -167,6 +196,8 @@ class StationSettings(_Section):
     """Port of the page and API."""
     reference: str = "S1002"
     """Reference profile of the wheels: S1002, LMA or a file."""
+    limits: LimitsSettings = Field(default_factory=LimitsSettings)
+    """What raises alarms; confirm it by the regulations you are under."""
     storage: StorageSettings = Field(default_factory=StorageSettings)
     """Files and space."""
     sensors: tuple[SensorSettings, ...] = Field(min_length=1)
@@ -189,7 +220,7 @@ class StationSettings(_Section):
 def load_settings(path: Path) -> StationSettings:
     """Read the settings from a TOML file; variables ``STATION_NAME`` of the environment win.
 
-    A relative `data_dir` counts from the folder of the file.
+    A relative `data_dir`, or file of a `reference`, counts from the folder of the file.
 
     Raises
     ------
@@ -226,4 +257,6 @@ def load_settings(path: Path) -> StationSettings:
         raise InputUnusable(f"{path}: not a TOML file: {error}") from error
     except OSError as error:
         raise InputUnusable(f"{path}: cannot be read ({error.strerror})") from error
-    return found.model_copy(update={"data_dir": (path.parent / found.data_dir).resolve()})
+    reference = path.parent / found.reference
+    beside = {"reference": str(reference.resolve())} if reference.is_file() else {}
+    return found.model_copy(update={"data_dir": (path.parent / found.data_dir).resolve(), **beside})

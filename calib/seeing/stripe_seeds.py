@@ -19,6 +19,7 @@ picture stripes are thinner."""
 _SMALL_SIDE_PX = 1300
 _KERNEL = 1.1
 _LINE_LIKE = 0.55
+_DIP_LIKE = 0.85  # where a line is dim for a few pixels it curves upwards along itself
 _WEAK_SIGMAS = 4.0
 _STRONG_SIGMAS = 10.0
 _MOST_POINTS = 10_000
@@ -117,7 +118,8 @@ def _coarse_ridges(small: Picture, deviation: float, min_height: float) -> _Coar
     good = np.flatnonzero(
         (np.abs(step_px) <= _HALF_PIXEL).all(axis=1)
         & (-ridge.curvature > least)
-        & (np.abs(ridge.along) < _LINE_LIKE * -ridge.curvature)
+        & (-ridge.along < _LINE_LIKE * -ridge.curvature)
+        & (ridge.along < _DIP_LIKE * -ridge.curvature)
     )
     place_px = pixel[good] + step_px[good]
     return _CoarsePoints(place_px, ridge.normal[good], -ridge.curvature[good] / noise)

@@ -12,18 +12,19 @@ from station.store import (
     CalibrationState,
     Job,
     JobState,
-    Measurement,
     PassState,
     Recording,
     SessionState,
 )
 
 
-class _Out(BaseModel):
+class Out(BaseModel):
+    """What all answers have in common."""
+
     model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
 
 
-class RecordingModel(_Out):
+class RecordingModel(Out):
     """What one sensor recorded, and how its frames add up."""
 
     id: str
@@ -58,7 +59,7 @@ class RecordingModel(_Out):
         )
 
 
-class PassModel(_Out):
+class PassModel(Out):
     """A pass of a train."""
 
     id: str
@@ -69,6 +70,10 @@ class PassModel(_Out):
     reason: str | None
     job: str | None
     """The job that measures it."""
+    axles: int | None
+    """Axles the controller counted."""
+    consist: list[dict[str, Any]] | None
+    """The wheelsets of the train, as the controller named them."""
     recordings: list[RecordingModel]
 
     @classmethod
@@ -82,11 +87,13 @@ class PassModel(_Out):
             finished_at=row.finished_at,
             reason=row.reason,
             job=row.job_id,
+            axles=row.axles,
+            consist=None if row.consist is None else row.consist["wheelsets"],
             recordings=[RecordingModel.of(recording) for recording in view.recordings],
         )
 
 
-class SessionModel(_Out):
+class SessionModel(Out):
     """A calibration session."""
 
     id: str
@@ -115,60 +122,14 @@ class SessionModel(_Out):
         )
 
 
-class MeasurementModel(_Out):
-    """One wheel as measured: by what, from what, with what result."""
-
-    id: int
-    recording: str
-    frame: int
-    sensor: str
-    pass_id: str | None
-    calibration: str
-    reference: str
-    software: str
-    measured_at: datetime
-    wheel: dict[str, Any]
-    """A row of `wheels` of results.json."""
-
-    @classmethod
-    def of(cls, row: Measurement) -> Self:
-        return cls(
-            id=row.id,
-            recording=row.recording_id,
-            frame=row.frame,
-            sensor=row.sensor,
-            pass_id=row.pass_id,
-            calibration=row.calibration_id,
-            reference=row.reference,
-            software=row.software,
-            measured_at=row.measured_at,
-            wheel=row.wheel,
-        )
-
-
-class WheelsModel(_Out):
-    """The wheels of a pass; complete once its state is done or recovered."""
-
-    pass_id: str
-    state: PassState
-    wheels: list[MeasurementModel]
-
-
-class MeasurementsPage(_Out):
-    """Some measurements; `next` is the `after` of the next page, absent on the last."""
-
-    measurements: list[MeasurementModel]
-    next: int | None
-
-
-class RecordingsPage(_Out):
+class RecordingsPage(Out):
     """Some recordings; `next` is the `before` of the next page, absent on the last."""
 
     recordings: list[RecordingModel]
     next: str | None
 
 
-class JobModel(_Out):
+class JobModel(Out):
     """Long work of the worker."""
 
     id: str
@@ -189,7 +150,7 @@ class JobModel(_Out):
         return cls(**{name: getattr(row, name) for name in cls.model_fields})
 
 
-class CalibrationModel(_Out):
+class CalibrationModel(Out):
     """A calibration of a sensor."""
 
     id: str
@@ -226,7 +187,7 @@ class CalibrationModel(_Out):
         )
 
 
-class ActivationModel(_Out):
+class ActivationModel(Out):
     """The calibration in force on a sensor."""
 
     sensor: str
@@ -246,7 +207,7 @@ class ActivationModel(_Out):
         )
 
 
-class SensorModel(_Out):
+class SensorModel(Out):
     """A sensor and how it is."""
 
     id: str
@@ -258,7 +219,7 @@ class SensorModel(_Out):
     active_calibration: str | None
 
 
-class StationModel(_Out):
+class StationModel(Out):
     """The station and how it is."""
 
     name: str
@@ -271,13 +232,13 @@ class StationModel(_Out):
     disk_total_bytes: int
 
 
-class Health(_Out):
+class Health(Out):
     """The API answers."""
 
     status: str
 
 
-class Readiness(_Out):
+class Readiness(Out):
     """Which parts are ready; a part that is not says why."""
 
     ready: bool

@@ -13,7 +13,7 @@ from station.api.routes import ROUTERS
 from station.api.watch import Watch
 from station.operations import Passes, Sessions, Station
 
-API_VERSION = "1.0.0"
+API_VERSION = "1.1.0"
 
 
 def build_app(

@@ -7,10 +7,15 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from station.operations import MethodName
 from station.settings import SensorId
+from station.trains import Consist, Named, Orientation, Wheelset
 
 _ID_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 RecordingName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,127}$")]
 CallersId = Annotated[str, StringConstraints(pattern=_ID_PATTERN)]
+WheelsetId = Annotated[str, StringConstraints(pattern=_ID_PATTERN)]
+WheelsetInPath = Annotated[
+    str, Path(pattern=_ID_PATTERN, description="As a consist names it, at most 64 letters.")
+]
 IdInPath = Annotated[
     str, Path(pattern=_ID_PATTERN, description="Letters, digits, . _ and -, at most 64.")
 ]
@@ -24,14 +29,46 @@ class _In(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
-class PassRequest(_In):
+class WheelsetRequest(_In):
+    """A wheelset of a train."""
+
+    wheelset: WheelsetId
+    vehicle: Annotated[str, StringConstraints(min_length=1, max_length=64)] | None = None
+    """The vehicle it is under: its wheels are compared with each other."""
+    position: Annotated[str, StringConstraints(min_length=1, max_length=64)] | None = None
+    """Its place in the vehicle."""
+    orientation: Orientation = Orientation.FORWARD
+    """Whether its left wheel runs on the train's left, or it runs turned about."""
+
+    def told(self) -> Wheelset:
+        """Return it as the train has it."""
+        return Wheelset(self.wheelset, self.vehicle, self.position, self.orientation)
+
+
+class _WithConsist(_In):
+    consist: tuple[WheelsetRequest | WheelsetId, ...] | None = Field(
+        default=None, min_length=1, max_length=1000
+    )
+    """The train's wheelsets in the order in which they pass: names, or more of each."""
+
+    def named(self, when: Named) -> Consist | None:
+        """Return the consist, if the call names one."""
+        if self.consist is None:
+            return None
+        told = (each if isinstance(each, str) else each.told() for each in self.consist)
+        return Consist(
+            tuple(Wheelset(each) if isinstance(each, str) else each for each in told), named=when
+        )
+
+
+class PassRequest(_WithConsist):
     """A train comes."""
 
     train: Annotated[str, StringConstraints(max_length=128)] | None = None
     """What the controller calls the train."""
 
 
-class FinishRequest(_In):
+class FinishRequest(_WithConsist):
     """The train has gone."""
 
     axles: Count | None = None

@@ -1,24 +1,50 @@
 """The figures of the README, measured where they are asked for."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
 
 from station.bench.calibration import bench_solvers, bench_solving
 from station.bench.capture import CAPTURE_PARTS, capture_benches
 from station.bench.deviations import bench_deviations
 from station.bench.lights import bench_lights
+from station.bench.measure import bench_oblique, bench_wheels
+from station.bench.measure_intervals import bench_intervals
+from station.bench.measure_lights import bench_measure_lights
+from station.bench.measure_profiles import bench_profiles
+from station.bench.measure_rolling import bench_rolling
+from station.bench.measure_train import bench_train
 from station.bench.pairs import bench_pairs
 from station.bench.paper import bench_paper
+from station.bench.piece import bench_piece
+from station.bench.piece_u95 import bench_piece_u95
 from station.bench.pose_sets import bench_pose_sets
 from station.bench.stripe import bench_stripe, bench_stripe_sigma
 from station.bench.sweeps import bench_sweeps
 from station.progress import Progress
 from station.tables import Table
 
+
+def measure_benches(folder: Path | None = None) -> Sequence[Callable[[Progress], Table]]:
+    """Return the benches of wheel readings; `folder` holds MiniProf files of real wheels."""
+    return (
+        bench_wheels,
+        bench_oblique,
+        bench_rolling,
+        partial(bench_profiles, folder=folder),
+        bench_intervals,
+        bench_measure_lights,
+        bench_train,
+    )
+
+
 BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
     "capture": capture_benches(),
     "lights": (bench_lights,),
+    "measure": measure_benches(),
     "pairs": (bench_pairs,),
     "paper": (bench_paper,),
+    "piece": (bench_piece, bench_piece_u95),
     "deviations": (bench_deviations,),
     "calibration": (bench_sweeps, bench_pose_sets, bench_solving, bench_solvers),
     "stripe": (bench_stripe, bench_stripe_sigma),
@@ -30,13 +56,23 @@ __all__ = [
     "CAPTURE_PARTS",
     "bench_deviations",
     "bench_lights",
+    "bench_intervals",
+    "bench_measure_lights",
+    "bench_oblique",
     "bench_pairs",
     "bench_paper",
+    "bench_piece",
+    "bench_piece_u95",
     "bench_pose_sets",
+    "bench_profiles",
+    "bench_rolling",
     "bench_solvers",
     "bench_solving",
     "bench_stripe",
     "bench_stripe_sigma",
     "bench_sweeps",
+    "bench_train",
+    "bench_wheels",
     "capture_benches",
+    "measure_benches",
 ]

@@ -6,13 +6,13 @@ from typing import Annotated
 
 import typer
 
-from station.bench import BENCHES, CAPTURE_PARTS, capture_benches
+from station.bench import BENCHES, CAPTURE_PARTS, capture_benches, measure_benches
 from station.cli.output import AsJson, emit, progress_bar
 from station.errors import InputUnusable
 from station.progress import Progress
 from station.tables import Table
 
-_CAPTURE = "capture"
+_CAPTURE, _MEASURE = "capture", "measure"
 
 
 def bench(
@@ -31,7 +31,11 @@ def bench(
         typer.Option(min=0.01, help="Of capture: how long one camera runs at full rate."),
     ] = None,
     folder: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Of capture: where recordings go meanwhile.")
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Of capture: where recordings go meanwhile. Of measure: MiniProf files.",
+        ),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -39,10 +43,14 @@ def bench(
     if name is not None and name not in BENCHES:
         raise InputUnusable(f"bench {name!r}; allowed: {', '.join(BENCHES)}")
     benches = dict(BENCHES) if name is None else {name: BENCHES[name]}
+    if name == _MEASURE and folder is not None:
+        benches[name] = measure_benches(folder)
+        folder = None
     if part or full or minutes is not None or folder is not None:
         if name != _CAPTURE:
             raise InputUnusable(
-                "--part, --full, --minutes and --folder are of `station bench capture`"
+                "--part, --full, --minutes are of `station bench capture`, --folder of it and of "
+                "`station bench measure`"
             )
         benches[name] = capture_benches(
             part or CAPTURE_PARTS, full=full, minutes=minutes, folder=folder

@@ -8,6 +8,7 @@ import typer
 from calib import FloatArray, PlacementDistances, Target
 from station.cli.evaluate_again import leave_one_out, repeatability
 from station.cli.evaluate_cylinder import cylinder
+from station.cli.evaluate_piece import piece, step
 from station.cli.options import CalibrationPath, Sources, TargetText
 from station.cli.output import AsJson, emit, progress_bar
 from station.cli.verdict import Limit, hold_against, rounded
@@ -21,6 +22,8 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 app.command("cylinder")(cylinder)
+app.command("piece")(piece)
+app.command("step")(step)
 app.command("repeatability")(repeatability)
 app.command("leave-one-out")(leave_one_out)
 

@@ -25,6 +25,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "compare": ("station.cli.compare", "compare"),
     "table": ("station.cli.table", "table"),
     "gauge": ("station.cli.gauge", "gauge"),
+    "results": ("station.cli.results", "results"),
     "doctor": ("station.cli.doctor", "doctor"),
     "bench": ("station.cli.bench", "bench"),
 }
@@ -32,6 +33,7 @@ GROUPS: dict[str, str] = {
     "camera": "station.cli.camera",
     "recording": "station.cli.recording",
     "evaluate": "station.cli.evaluate",
+    "reference": "station.cli.reference",
 }
 
 

@@ -22,9 +22,22 @@ TargetText = Annotated[
 CalibrationPath = Annotated[
     Path, typer.Option("--calibration", metavar="FILE", help="calibration.json of the sensor.")
 ]
+CalibrationPaths = Annotated[
+    list[Path],
+    typer.Option(
+        "--calibration",
+        metavar="FILE",
+        help="calibration.json of the sensor; once for each sensor of a pass.",
+    ),
+]
 SensorOption = Annotated[
     str | None, typer.Option("--sensor", metavar="ID", help="Name of the sensor.")
 ]
 Reference = Annotated[
-    str, typer.Option("--reference", metavar="S1002|LMA|FILE", help="Profile of a new wheel.")
+    str,
+    typer.Option(
+        "--reference",
+        metavar="S1002|LMA|FILE",
+        help="What wear is counted from: a profile file, or one of `station reference register`.",
+    ),
 ]

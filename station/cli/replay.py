@@ -5,8 +5,9 @@ from typing import Annotated
 
 import typer
 
-from station.cli.options import CalibrationPath, Reference
+from station.cli.options import CalibrationPaths, Reference
 from station.cli.output import AsJson, emit, progress_bar
+from station.cli.outputs import Config, limits_in_force, sides_known
 from station.documents import CalibrationDocument
 from station.errors import NothingMeasurable
 from station.replay import ReplayReport, replay_recordings
@@ -14,23 +15,31 @@ from station.replay import ReplayReport, replay_recordings
 
 def replay(
     files: Annotated[
-        list[Path], typer.Argument(metavar="FILE.mcap...", help="Recordings of one sensor.")
+        list[Path],
+        typer.Argument(metavar="FILE.mcap...", help="Recordings, of several sensors too."),
     ],
-    calibration: CalibrationPath,
+    calibration: CalibrationPaths,
     out: Annotated[
         Path,
         typer.Option(metavar="FILE", help="Table to write: results.parquet, .csv or .json."),
     ],
     reference: Reference = "S1002",
+    config: Config = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure recordings again, a row a wheel: the same readings as when they were made."""
+    """Measure recordings again, a row a wheel: the same readings as when they were made.
+
+    With a calibration of each of several sensors the wheels of a pass stand axle for axle.
+    """
+    calibrations = [CalibrationDocument.read(path) for path in calibration]
     with progress_bar("replay") as progress:
         report = replay_recordings(
             files,
-            CalibrationDocument.read(calibration),
+            calibrations,
             out,
             reference=reference,
+            limits=limits_in_force(config),
+            sides=sides_known(config, calibrations),
             progress=progress,
         )
     emit(report.to_json(), _text(report), as_json=as_json)

@@ -11,7 +11,7 @@ from calib import Method
 from station.client import Answer, StationClient
 from station.demo.judgement import PlaneJudgement, WheelJudgement, judge_plane, judge_wheels
 from station.demo.rendering import frames_path, render_scenario
-from station.demo.scenario import REFERENCE, TARGET, Scenario, SensorTruth
+from station.demo.scenario import AXLES, REFERENCE, TARGET, Scenario, SensorTruth
 from station.demo.trackside import await_ready, cameras_of, roll_train_by, station_of
 from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
 from station.errors import StationError
@@ -142,7 +142,7 @@ def _record_train(
     progress(0.7, "train passing")
     client.arm_pass(PASS_ID, train="demo")
     triggers = roll_train_by(scenario.sensors, cameras)
-    closed = client.finish_pass(PASS_ID, triggers=triggers)
+    closed = client.finish_pass(PASS_ID, triggers=triggers, axles=AXLES)
     progress(0.8, "measuring")
     client.await_pass(PASS_ID, timeout_s=_JOB_PATIENCE_S)
     return _accounts(closed, triggers)

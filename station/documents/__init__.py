@@ -12,29 +12,55 @@ from station.documents.calibration import (
 )
 from station.documents.camera import CameraDocument
 from station.documents.measurement import (
+    HeaderDocument,
     MeasurementDocument,
     ProfileDocument,
     ReadingDocument,
     WheelDocument,
     wheel_document,
 )
+from station.documents.piece import (
+    PieceCheck,
+    PieceDocument,
+    piece_check,
+)
 from station.documents.points import POINT_COLUMNS, points_csv, views_from_points
+from station.documents.reference import (
+    REFERENCE_NAME,
+    MeasuredWheel,
+    NominalDocument,
+    ReferenceDocument,
+    ReferencePoints,
+    reference_nominal,
+    reference_points,
+)
 
 __all__ = [
     "POINT_COLUMNS",
+    "REFERENCE_NAME",
     "CalibrationDocument",
     "CameraDocument",
     "Gate",
+    "HeaderDocument",
     "InputFile",
+    "MeasuredWheel",
     "MeasurementDocument",
     "MountingDocument",
+    "PieceCheck",
+    "PieceDocument",
+    "NominalDocument",
     "PlaneDocument",
     "PoseDocument",
     "ProfileDocument",
     "ReadingDocument",
+    "ReferenceDocument",
+    "ReferencePoints",
     "RmsDocument",
     "WheelDocument",
+    "piece_check",
     "points_csv",
+    "reference_nominal",
+    "reference_points",
     "views_from_points",
     "wheel_document",
     "write_whole",

@@ -21,7 +21,7 @@ from station.operations.collaborators import (
     utc_now,
 )
 from station.operations.layout import DataLayout
-from station.operations.passes import Passes, PassView
+from station.operations.passes import Passes, PassView, PassWheels
 from station.operations.salvage import salvage_recording
 from station.operations.sessions import Sessions, SessionView
 
@@ -32,6 +32,7 @@ __all__ = [
     "JobQueue",
     "MethodName",
     "PassView",
+    "PassWheels",
     "Passes",
     "Salvage",
     "Salvaged",

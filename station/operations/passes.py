@@ -8,7 +8,7 @@ from threading import Lock
 from sqlalchemy.orm import Session
 
 from station.capture import Trigger
-from station.errors import StateConflict, StationError
+from station.errors import StationError
 from station.operations.arming import (
     arm,
     calibration_in_force,
@@ -17,21 +17,25 @@ from station.operations.arming import (
 )
 from station.operations.closing import Closed, close_all, note
 from station.operations.collaborators import Station
+from station.operations.repeats import ensure_consist, ensure_same
 from station.operations.sensors import sensor_given
 from station.settings import SensorSettings
 from station.store import (
     PASS,
+    AxleWheel,
     JobKind,
     Measurement,
     Pass,
     PassState,
     Recording,
     add_job,
+    places_of,
     recordings_of,
     the,
     unfinished_passes,
     wheels_of,
 )
+from station.trains import Consist, TrainPicture, keep_axles, train_picture
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +44,16 @@ class PassView:
 
     row: Pass
     recordings: Sequence[Recording]
+
+
+@dataclass(frozen=True, slots=True)
+class PassWheels:
+    """The wheels of a pass, each one's place in the train by its id, and the train."""
+
+    row: Pass
+    wheels: Sequence[Measurement]
+    places: Mapping[int, AxleWheel]
+    train: TrainPicture
 
 
 class Passes:
@@ -61,7 +75,7 @@ class Passes:
         with self._station.store.look() as session:
             return _view(session, the(session, Pass, pass_id))
 
-    def wheels(self, pass_id: str) -> Sequence[Measurement]:
+    def wheels(self, pass_id: str) -> PassWheels:
         """Return the wheels of a pass, as measured with the calibrations it was recorded under.
 
         Raises
@@ -70,15 +84,22 @@ class Passes:
             If there is none of that id.
         """
         with self._station.store.look() as session:
-            return wheels_of(session, the(session, Pass, pass_id))
+            row = the(session, Pass, pass_id)
+            wheels = wheels_of(session, row)
+            return PassWheels(
+                row, wheels, places_of(session, wheels), train_picture(session, row, wheels)
+            )
 
-    def open(self, pass_id: str, *, train: str | None) -> tuple[PassView, bool]:
+    def open(
+        self, pass_id: str, *, train: str | None, consist: Consist | None = None
+    ) -> tuple[PassView, bool]:
         """Arm every sensor for a train; return the pass and whether it is new.
 
         Raises
         ------
         StateConflict
-            If another recording runs, this pass has failed, or its id names another train.
+            If another recording runs, this pass has failed, or its id names another train or
+            consist.
         DiskFull
             If the longest pass would not fit on the disk; the id stays free.
         CameraError, RecordingError
@@ -87,10 +108,10 @@ class Passes:
         with self._station.store.change() as session:
             known = session.get(Pass, pass_id)
             if known is not None:
-                return _view(session, _ensure_same(known, train)), False
+                return _view(session, ensure_same(known, train, consist)), False
             ensure_sensors_free(session, self._station.sensors, f"pass {pass_id}")
             ensure_space_for_pass(self._station)
-            view = self._add(session, pass_id, train)
+            view = self._add(session, pass_id, train, consist)
         try:
             self._arm_all(view, pass_id)
         except StationError as error:
@@ -101,7 +122,14 @@ class Passes:
             _step(row, PassState.RECORDING)
             return _view(session, row), True
 
-    def finish(self, pass_id: str, *, axles: int | None, triggers: Mapping[str, int]) -> PassView:
+    def finish(
+        self,
+        pass_id: str,
+        *,
+        axles: int | None,
+        triggers: Mapping[str, int],
+        consist: Consist | None = None,
+    ) -> PassView:
         """Close the recordings of a pass, hold them against the count, and have them measured.
 
         Parameters
@@ -110,13 +138,15 @@ class Passes:
             Wheels that went by every sensor; None where nobody counted.
         triggers
             Triggers given to single sensors, where they differ from `axles`.
+        consist
+            The train's wheelsets, where they were not named when it came.
 
         Raises
         ------
         NotFound
             If there is no such pass.
         StateConflict
-            If it is not yet armed, or has failed.
+            If it is not yet armed, has failed, or has another consist.
         InputUnusable
             If a trigger count is of a sensor that the station has not.
         """
@@ -127,8 +157,10 @@ class Passes:
             view = self.view(pass_id)
             if view.row.state in {PassState.ARMED, PassState.FAILED}:
                 PASS.check(pass_id, view.row.state, PassState.MEASURING)
+            ensure_consist(view.row, consist)
             if view.row.state is not PassState.RECORDING:
                 return view
+            self._note_train(pass_id, axles, consist)
             return self._close(view, expected)
 
     def take_up(self) -> None:
@@ -150,9 +182,24 @@ class Passes:
                 with self._closing:
                     self._close(view, {})
 
-    def _add(self, session: Session, pass_id: str, train: str | None) -> PassView:
+    def _note_train(self, pass_id: str, axles: int | None, consist: Consist | None) -> None:
+        with self._station.store.change() as session:
+            row = the(session, Pass, pass_id)
+            row.axles = axles
+            if row.consist is None and consist is not None:
+                row.consist = consist.to_json()
+
+    def _add(
+        self, session: Session, pass_id: str, train: str | None, consist: Consist | None
+    ) -> PassView:
         now = self._station.now()
-        row = Pass(id=pass_id, state=PassState.ARMED, train=train, opened_at=now)
+        row = Pass(
+            id=pass_id,
+            state=PassState.ARMED,
+            train=train,
+            opened_at=now,
+            consist=None if consist is None else consist.to_json(),
+        )
         session.add(row)
         recordings = [
             Recording(
@@ -226,6 +273,9 @@ class Passes:
             row.reason = "not measured: no sensor had an active calibration when it was recorded"
         else:
             self._have_measured(session, row)
+            return
+        # Nothing more will be measured of it; what the controller counted are rows all the same.
+        keep_axles(session, row, self._station.settings)
 
     def _have_measured(self, session: Session, row: Pass) -> None:
         job = add_job(
@@ -255,17 +305,3 @@ def _view(session: Session, row: Pass) -> PassView:
 def _step(row: Pass, wanted: PassState) -> None:
     PASS.check(row.id, row.state, wanted)
     row.state = wanted
-
-
-def _ensure_same(known: Pass, train: str | None) -> Pass:
-    if known.train != train:
-        raise StateConflict(
-            f"pass {known.id} is of train {known.train}, not of {train}; give a new pass a new id",
-            state=known.state,
-        )
-    if known.state is PassState.FAILED:
-        raise StateConflict(
-            f"pass {known.id} is {known.state} ({known.reason}); open a new one under a new id",
-            state=known.state,
-        )
-    return known

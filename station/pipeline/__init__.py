@@ -1,11 +1,13 @@
 """From files to answers: pictures and recordings to calibrations and wheel readings."""
 
+from station.pipeline.axles import on_axles
 from station.pipeline.batches import Batch, recorded_batches
 from station.pipeline.calibrate import CalibrationOutcome, calibrate_sources
-from station.pipeline.cores import all_cores, map_on_all_cores
+from station.pipeline.cores import Cores, all_cores, map_on_all_cores
 from station.pipeline.exposures import Exposure
 from station.pipeline.frames import Frame, read_frames
 from station.pipeline.gauge import UnreadBatch, WheelGauge
+from station.pipeline.gauge_files import gauge_files
 from station.pipeline.intrinsics import calibrate_camera_from_sources
 from station.pipeline.judge import (
     Solving,
@@ -16,16 +18,21 @@ from station.pipeline.judge import (
 )
 from station.pipeline.judge_field import MAP_STEP_PX, working_pixels
 from station.pipeline.measure import FRAME_S, measure_sources, measured_wheels
+from station.pipeline.measure_train import measure_train
 from station.pipeline.naming import distinct_names
+from station.pipeline.new_references import register_reference
 from station.pipeline.observe import Observations, observe_sources
 from station.pipeline.observe_group import Shot, observe_group
-from station.pipeline.references import load_reference, read_profile
+from station.pipeline.piece import check_piece
+from station.pipeline.references import is_json, load_reference, read_profile, read_reference
+from station.pipeline.wheel_stripe import locate_wheel_stripe
 
 __all__ = [
     "FRAME_S",
     "MAP_STEP_PX",
     "Batch",
     "CalibrationOutcome",
+    "Cores",
     "Exposure",
     "Frame",
     "Observations",
@@ -36,19 +43,27 @@ __all__ = [
     "all_cores",
     "calibrate_camera_from_sources",
     "calibrate_sources",
+    "check_piece",
     "cylinders_of_sources",
     "distances_of_sources",
     "distinct_names",
+    "gauge_files",
+    "is_json",
     "leaving_out_of_sources",
     "load_reference",
+    "locate_wheel_stripe",
     "map_on_all_cores",
     "measure_sources",
+    "measure_train",
     "measured_wheels",
     "observe_group",
     "observe_sources",
+    "on_axles",
     "read_frames",
     "read_profile",
+    "read_reference",
     "recorded_batches",
+    "register_reference",
     "repeatability_of_sources",
     "working_pixels",
 ]

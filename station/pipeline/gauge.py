@@ -1,17 +1,18 @@
 """A calibration made ready to measure wheels with."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import lru_cache
 
-from calib import LaserSensor, locate_stripe
-from measure import Mounting, ReferenceProfile, WheelFrame, measure_wheel
+from calib import LaserSensor
+from measure import Limits, Mounting, ReferenceProfile, WheelFrame, measure_wheel
 from station.documents import CalibrationDocument, WheelDocument, wheel_document
 from station.errors import InputUnusable, StationError
 from station.pipeline.batches import Batch
 from station.pipeline.frames import Frame
 from station.pipeline.references import load_reference
+from station.pipeline.wheel_stripe import locate_wheel_stripe
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +38,13 @@ class WheelGauge:
     reference: ReferenceProfile
     made_of: tuple[str, str]
     """The calibration as JSON, and the reference as it was given."""
+    limits: Limits = field(default_factory=Limits.default)
 
     @classmethod
-    def of(cls, calibration: CalibrationDocument, reference: str) -> "WheelGauge":
-        """Make it of a calibration and the name or file of a reference.
+    def of(
+        cls, calibration: CalibrationDocument, reference: str, limits: Limits | None = None
+    ) -> "WheelGauge":
+        """Make it of a calibration, the name or file of a reference, and limits for alarms.
 
         Raises
         ------
@@ -53,17 +57,20 @@ class WheelGauge:
             mounting=_mounting(calibration),
             reference=load_reference(reference),
             made_of=(calibration.model_dump_json(), reference),
+            limits=limits if limits is not None else Limits.default(),
         )
 
-    def __reduce__(self) -> tuple[Callable[[str, str], "WheelGauge"], tuple[str, str]]:
-        return _made_again, self.made_of
+    def __reduce__(
+        self,
+    ) -> tuple[Callable[[str, str, Limits], "WheelGauge"], tuple[str, str, Limits]]:
+        return _made_again, (*self.made_of, self.limits)
 
     def locate(self, batch: Batch) -> list[WheelFrame] | UnreadBatch:
         """Locate the stripe in each frame of a batch."""
         try:
             return [
                 WheelFrame(
-                    stripe=locate_stripe(frame.picture),
+                    stripe=locate_wheel_stripe(frame.picture),
                     frame=frame.number,
                     source=batch.source,
                     time_ns=frame.time_ns,
@@ -75,7 +82,9 @@ class WheelGauge:
 
     def measure(self, frames: Sequence[WheelFrame]) -> WheelDocument:
         """Measure the wheel that these frames show."""
-        answer = measure_wheel(frames, self.sensor, self.reference, mounting=self.mounting)
+        answer = measure_wheel(
+            frames, self.sensor, self.reference, mounting=self.mounting, limits=self.limits
+        )
         best = answer.quality.best_frame
         chosen = next((frame for frame in frames if frame.frame == best), frames[0])
         return wheel_document(
@@ -85,6 +94,7 @@ class WheelGauge:
             frame=chosen.frame,
             frames=tuple(frame.frame for frame in frames),
             time=_utc(chosen.time_ns),
+            reference=self.reference,
         )
 
     def _checked(self, batch: Batch) -> Iterator[Frame]:
@@ -108,8 +118,9 @@ class WheelGauge:
 
 
 @lru_cache(maxsize=4)
-def _made_again(calibration_json: str, reference: str) -> WheelGauge:
-    return WheelGauge.of(CalibrationDocument.model_validate_json(calibration_json), reference)
+def _made_again(calibration_json: str, reference: str, limits: Limits) -> WheelGauge:
+    calibration = CalibrationDocument.model_validate_json(calibration_json)
+    return WheelGauge.of(calibration, reference, limits)
 
 
 def _mounting(calibration: CalibrationDocument) -> Mounting | None:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from measure import WheelFrame, each_wheel
+from measure import Limits, WheelFrame, each_wheel
 from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
 from station.errors import InputUnusable
 from station.pipeline.batches import Batch, batches_of
@@ -23,12 +23,14 @@ def measure_sources(
     calibration: CalibrationDocument,
     *,
     reference: str = "S1002",
+    limits: Limits | None = None,
     progress: Progress = silent,
 ) -> MeasurementDocument:
     """Measure every wheel in recordings, pictures or folders.
 
     Frames of a recording that follow each other closely are one wheel; every picture of a folder
-    is a wheel of its own. A wheel that cannot be measured is a row with a reason.
+    is a wheel of its own. A wheel that cannot be measured is a row with a reason. Alarms are
+    raised by `limits`, those of practice where not given.
 
     Raises
     ------
@@ -39,7 +41,7 @@ def measure_sources(
     """
     if not sources:
         raise InputUnusable("no SOURCE given; give recordings, pictures or folders")
-    gauge = WheelGauge.of(calibration, reference)
+    gauge = WheelGauge.of(calibration, reference, limits)
     total = count_frames(sources)
 
     def refuse(unread: UnreadBatch) -> None:
@@ -57,6 +59,7 @@ def measure_sources(
         software=SOFTWARE,
         calibration=calibration.fingerprint,
         reference=gauge.reference.name,
+        regime=gauge.limits.regime,
         wheels=wheels,
     )
 

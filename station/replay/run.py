@@ -1,15 +1,18 @@
 """Measuring recordings again: the same steps as a pass's, as fast as the cores go."""
 
-from collections.abc import Iterator, MutableMapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
+from measure import Limits, Side
 from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
 from station.errors import InputUnusable, StationError
+from station.exports import table_writer
 from station.pictures import RECORDING_SUFFIX
 from station.pipeline import (
     FRAME_S,
     Batch,
+    Cores,
     UnreadBatch,
     WheelGauge,
     all_cores,
@@ -19,9 +22,9 @@ from station.pipeline import (
 )
 from station.progress import Progress, silent
 from station.recording import info, parts_of, whole_recordings
+from station.replay.passes import wheels_of_passes
 from station.replay.report import Refusal, ReplayReport
 from station.replay.spool import Spool
-from station.replay.tables import table_writer
 from station.software import SOFTWARE
 
 Parts = Sequence[Path]
@@ -29,54 +32,110 @@ Parts = Sequence[Path]
 
 def replay_recordings(
     files: Sequence[Path],
-    calibration: CalibrationDocument,
+    calibration: CalibrationDocument | Sequence[CalibrationDocument],
     out: Path,
     *,
     reference: str = "S1002",
+    limits: Limits | None = None,
+    sides: Mapping[str, Side] | None = None,
     progress: Progress = silent,
 ) -> ReplayReport:
-    """Measure the wheels in recordings of one sensor and write them to a table.
+    """Measure the wheels in recordings and write them to a table.
 
-    Of a recording that is damaged, or of another sensor, nothing is in the table, and the others
-    are measured all the same. What is in memory does not grow with the recordings.
+    Of a recording that is damaged, or of a sensor without calibration, nothing is in the table,
+    and the others are measured all the same. What is in memory does not grow with the recordings.
+
+    Parameters
+    ----------
+    files
+        Recordings of the calibration's sensor, or of several sensors with a calibration of each.
+    calibration
+        With those of several sensors, the wheels of each pass stand axle for axle.
+    out
+        The table.
+    reference, limits, progress
+        As of a measurement.
+    sides
+        The side of the train that each of several sensors looks at.
 
     Raises
     ------
     InputUnusable
-        If a file is no recording by its name or given twice, or the table cannot be written.
+        If a file is no recording by its name or given twice, two calibrations are of one sensor,
+        or the table cannot be written.
     """
     write = table_writer(out)
-    gauge = WheelGauge.of(calibration, reference)
-    heading = MeasurementDocument(
-        created=datetime.now(UTC),
-        software=SOFTWARE,
-        calibration=calibration.fingerprint,
-        reference=gauge.reference.name,
-        wheels=(),
-    )
+    given = [calibration] if isinstance(calibration, CalibrationDocument) else list(calibration)
+    gauges = {one.sensor: WheelGauge.of(one, reference, limits) for one in given}
+    if len(gauges) < len(given):
+        raise InputUnusable("two calibrations of one sensor; give one of each sensor")
     refused: dict[str, str] = {}
-    recordings = _recordings(files, refused)
-    total = max(1, sum(_frames_in(parts) for parts in recordings.values()))
-    tally = _Tally(total, progress)
-
-    def refuse(unread: UnreadBatch) -> None:
-        refused.setdefault(unread.source, str(unread.error))
-
+    work = _Work(_recordings(files, refused), gauges, sides or {}, refused, progress)
     with Spool(out.parent) as spool:
-        with all_cores(alone_s=total * FRAME_S) as cores:
-            batches = _batches(recordings, refused)
-            for wheel in measured_wheels(
-                batches, gauge, cores, unread=refuse, frames_done=tally.frames_done
-            ):
+        with all_cores(alone_s=work.tally.total * FRAME_S) as cores:
+            for wheel in work.wheels(cores):
                 spool.add(wheel)
-        write(out, heading, tally.counted(spool.wheels(without=refused)))
+        wheels = spool.wheels(without=refused)
+        write(out, _heading(given, gauges), work.tally.counted(wheels))
     return ReplayReport(
         out=out,
-        recordings=len(recordings.keys() - refused.keys()),
-        frames=tally.frames,
-        wheels=tally.wheels,
-        measured=tally.measured,
+        recordings=len(work.recordings.keys() - refused.keys()),
+        frames=work.tally.frames,
+        wheels=work.tally.wheels,
+        measured=work.tally.measured,
         refused=tuple(Refusal(name, reason) for name, reason in refused.items()),
+    )
+
+
+class _Work:
+    """What is to be measured, and with what; recordings it cannot use it adds to `refused`."""
+
+    def __init__(
+        self,
+        recordings: Mapping[str, Parts],
+        gauges: Mapping[str, WheelGauge],
+        sides: Mapping[str, Side],
+        refused: MutableMapping[str, str],
+        progress: Progress,
+    ) -> None:
+        self.recordings = recordings
+        self._gauges, self._sides, self._refused = gauges, sides, refused
+        total = max(1, sum(_frames_in(parts) for parts in recordings.values()))
+        self.tally = _Tally(total, progress)
+
+    def wheels(self, cores: Cores) -> Iterator[WheelDocument]:
+        """Yield the wheels: of one sensor in order, of several pass for pass."""
+
+        def measured(chosen: Mapping[str, Parts], gauge: WheelGauge) -> Iterator[WheelDocument]:
+            return measured_wheels(
+                _batches(chosen, self._refused),
+                gauge,
+                cores,
+                unread=self._refuse,
+                frames_done=self.tally.series(),
+            )
+
+        if len(self._gauges) == 1:
+            return measured(self.recordings, *self._gauges.values())
+        return wheels_of_passes(self.recordings, self._gauges, self._sides, self._refused, measured)
+
+    def _refuse(self, unread: UnreadBatch) -> None:
+        self._refused.setdefault(unread.source, str(unread.error))
+
+
+def _heading(
+    calibrations: Sequence[CalibrationDocument], gauges: Mapping[str, WheelGauge]
+) -> MeasurementDocument:
+    prints = {one.sensor: one.fingerprint for one in calibrations}
+    gauge = gauges[calibrations[0].sensor]
+    return MeasurementDocument(
+        created=datetime.now(UTC),
+        software=SOFTWARE,
+        calibration=calibrations[0].fingerprint if len(prints) == 1 else None,
+        calibrations=prints if len(prints) > 1 else {},
+        reference=gauge.reference.name,
+        regime=gauge.limits.regime,
+        wheels=(),
     )
 
 
@@ -84,12 +143,19 @@ class _Tally:
     """Counts what is done, and tells how far it is."""
 
     def __init__(self, total: int, progress: Progress) -> None:
-        self._total, self._progress = total, progress
+        self.total, self._progress = total, progress
         self.frames = self.wheels = self.measured = 0
 
-    def frames_done(self, count: int) -> None:
-        self.frames = count
-        self._progress(min(1.0, count / self._total), f"frame {count} of {self._total}")
+    def series(self) -> Callable[[int], None]:
+        """Return what takes the count of frames of recordings that are measured next."""
+        before = self.frames
+
+        def frames_done(count: int) -> None:
+            self.frames = before + count
+            done = min(1.0, self.frames / self.total)
+            self._progress(done, f"frame {self.frames} of {self.total}")
+
+        return frames_done
 
     def counted(self, wheels: Iterator[WheelDocument]) -> Iterator[WheelDocument]:
         for wheel in wheels:
@@ -121,7 +187,7 @@ def _frames_in(parts: Parts) -> int:
     return sum(sensor.frames for part in parts for sensor in info(part).sensors)
 
 
-def _batches(recordings: dict[str, Parts], refused: MutableMapping[str, str]) -> Iterator[Batch]:
+def _batches(recordings: Mapping[str, Parts], refused: MutableMapping[str, str]) -> Iterator[Batch]:
     """Yield the frames of all recordings; of one that turns out to be damaged, no more."""
     for name, parts in recordings.items():
         try:

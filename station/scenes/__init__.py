@@ -4,14 +4,18 @@ Physics rather than stickers: distortion, discs, a light sheet of Gaussian thick
 flare, speckle, shot and read noise, saturation.
 """
 
+from station.scenes.coat import Soiling
 from station.scenes.cylinder_scene import CylinderScene, cylinder_poses
 from station.scenes.detector import Detector
 from station.scenes.installation import paper_sensor, projector_in_cam_mm, trackside_mounting
 from station.scenes.light import Light
 from station.scenes.optics import Lens
 from station.scenes.physics import Physics
+from station.scenes.piece_scene import PieceScene, piece_pose
 from station.scenes.poses import pose_through_dots, target_poses, target_scenes
+from station.scenes.rail_scene import RailScene
 from station.scenes.target_scene import TargetScene
+from station.scenes.wheel_faults import WheelFaults
 from station.scenes.wheel_scene import WheelScene
 from station.scenes.wheel_truth import TrueReadings, WheelTruth
 
@@ -21,12 +25,17 @@ __all__ = [
     "Lens",
     "Light",
     "Physics",
+    "PieceScene",
+    "RailScene",
+    "Soiling",
     "TargetScene",
     "TrueReadings",
+    "WheelFaults",
     "WheelScene",
     "WheelTruth",
     "cylinder_poses",
     "paper_sensor",
+    "piece_pose",
     "pose_through_dots",
     "projector_in_cam_mm",
     "target_poses",

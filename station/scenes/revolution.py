@@ -11,6 +11,8 @@ _TABLE_STEP_MM = 0.02
 # How far along a line of sight something may stand in the way: the flange is 30 mm high.
 _SIGHT_MM = np.geomspace(0.3, 150.0, 48)
 _INTO_MM = np.arange(0.0, 240.0, 8.0)
+_ONWARD_STEP_MM = 1.5
+_ONWARD_MM = np.arange(0.5, 110.0, _ONWARD_STEP_MM)
 _SKIN_MM = 0.02  # a point on the surface does not hide itself for being rounded into it
 
 
@@ -137,17 +139,53 @@ class Revolution:
         hit = inside.any(axis=1)
         near, first = near[hit], np.argmax(inside[hit], axis=1)
         far = travelled[hit, first]
-        close = far - _INTO_MM[1]
-        for _ in range(6):
-            middle = 0.5 * (close + far)
-            within = self._depth_inside_mm(eye + middle[:, None] * sight[near]) > 0.0
-            far, close = np.where(within, middle, far), np.where(within, close, middle)
+        start_mm = np.broadcast_to(eye, (len(near), 3))
         points = np.full(rays_in_cam.shape, np.nan)
         normals = np.full(rays_in_cam.shape, np.nan)
-        met = eye + far[:, None] * sight[near]
-        points[near] = self.cam_from_axle.apply(met)
-        normals[near] = self._normals(met) @ self.cam_from_axle.rotation.T
+        points[near], normals[near] = self._bisected(start_mm, sight[near], far - _INTO_MM[1], far)
         return points, normals
+
+    def next_hit(
+        self, points_in_cam_mm: FloatArray, ways_in_cam: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return where light that leaves the surface meets it again, and the normal there.
+
+        Parameters
+        ----------
+        points_in_cam_mm, ways_in_cam
+            Shape (N, 3): places on the surface and unit directions away from it.
+
+        Returns
+        -------
+        points_in_cam_mm, normals_in_cam
+            Shape (N, 3) each, NaN where the light goes off into the air. Good to 0.1 mm.
+        """
+        axle_from_cam = self.cam_from_axle.inverse()
+        start = axle_from_cam.apply(points_in_cam_mm)
+        ways = ways_in_cam @ axle_from_cam.rotation.T
+        inside = self._depth_inside_mm(start[:, None] + _ONWARD_MM[:, None] * ways[:, None]) > 0.0
+        hit = np.flatnonzero(inside.any(axis=1) & ~inside[:, 0])
+        far = _ONWARD_MM[np.argmax(inside[hit], axis=1)]
+        close = far - _ONWARD_STEP_MM
+        points, normals = self._bisected(start[hit], ways[hit], close, far)
+        met, there = np.full(start.shape, np.nan), np.full(start.shape, np.nan)
+        met[hit], there[hit] = points, normals
+        return met, there
+
+    def _bisected(
+        self, start: FloatArray, ways: FloatArray, close: FloatArray, far: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return where ways from the axle frame enter the body between two distances, with normals.
+
+        Both in the camera frame, shape (N, 3).
+        """
+        for _ in range(6):
+            middle = 0.5 * (close + far)
+            within = self._depth_inside_mm(start + middle[:, None] * ways) > 0.0
+            far, close = np.where(within, middle, far), np.where(within, close, middle)
+        met = start + far[:, None] * ways
+        normals = self._normals(met) @ self.cam_from_axle.rotation.T
+        return self.cam_from_axle.apply(met), normals
 
     def _reach(self, eye: FloatArray, sight: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Return how far off each line of sight enters the cylinder around the body, and whether.

@@ -118,6 +118,11 @@ class LaserSheet:
         return np.asarray(bright * profile * np.maximum(cosine, 0.0))
 
     @property
+    def reference_mm(self) -> float:
+        """Distance from the source at which `power` is the brightness."""
+        return _REFERENCE_MM
+
+    @property
     def reach_mm(self) -> float:
         """Distance from the middle beyond which the sheet gives less than 4e-5 of its light."""
         return 4.5 * 1.1 * self.sigma_mm

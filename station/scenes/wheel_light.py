@@ -49,7 +49,7 @@ def stripe_light(
 
     pixels = camera.project(strip.points_in_cam_mm.reshape(-1, 3))
     pixels = pixels.reshape(*strip.points_in_cam_mm.shape[:2], 2)
-    areas = _areas_px(pixels)[seen]
+    areas = areas_px(pixels)[seen]
     # Over the millimetre of the sheet's thickness the wheel turns by 0.1 degrees: what steel
     # returns is the same all across.
     share = returned(
@@ -62,7 +62,7 @@ def stripe_light(
         strip.points_in_cam_mm[seen].reshape(-1, 3), strip.normals_in_cam[seen].reshape(-1, 3)
     ).reshape(areas.shape)
     bright *= (share * dirt[strip.place[seen]])[:, None]
-    return _splat(pixels[seen], bright * areas, window)
+    return splat(pixels[seen], bright * areas, window)
 
 
 def body_light(
@@ -127,14 +127,14 @@ def _towards(eye_in_cam_mm: FloatArray, points: FloatArray) -> FloatArray:
     return np.asarray(way / np.linalg.norm(way, axis=-1, keepdims=True))
 
 
-def _areas_px(pixels: FloatArray) -> FloatArray:
+def areas_px(pixels: FloatArray) -> FloatArray:
     """Return the area of the picture of each piece of a grid, shape (S, Q), px²."""
     along, across = np.gradient(pixels, axis=0), np.gradient(pixels, axis=1)
     return np.asarray(np.abs(along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0]))
 
 
-def _splat(pixels: FloatArray, light: FloatArray, window: Window) -> Counts:
-    """Share light out over the four pixels around each place, shape (S, Q, 2)."""
+def splat(pixels: FloatArray, light: FloatArray, window: Window) -> Counts:
+    """Share light out over the four pixels around each place, shape (..., 2)."""
     height, width = window.shape
     u = pixels[..., 0].ravel() - window.left
     v = pixels[..., 1].ravel() - window.top

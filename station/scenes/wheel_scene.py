@@ -5,22 +5,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from calib import FloatArray, LaserSensor, RigidTransform
+from station.scenes.double_reflection import mirrored_stripe
 from station.scenes.light import Light
 from station.scenes.patch import Counts, Window
 from station.scenes.physics import Physics
-from station.scenes.rays import ray_map
 from station.scenes.revolution import Revolution
 from station.scenes.scene import Scene
 from station.scenes.sheet import LaserSheet
 from station.scenes.steel import dirt
-from station.scenes.texture import speckle
-from station.scenes.wheel_light import body_light, stripe_light
-from station.scenes.wheel_truth import WheelTruth
-
-# Steel returns a half of what matt white does, and its flange meets the light at 80 degrees:
-# the laser is set brighter for wheels than for targets.
-_LASER_FOR_STEEL = 2.6
-_MARGIN_PX = 24
+from station.scenes.stripe_on_body import LASER_FOR_STEEL, add_stripe, depth_of_sheet
+from station.scenes.sun_stripe import sun_through_slit
+from station.scenes.wheel_faults import WheelFaults
+from station.scenes.wheel_light import body_light
+from station.scenes.wheel_truth import WheelProfile, WheelTruth
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +45,10 @@ class WheelScene(Scene):
         What stands still and is left to chance: dirt, glare, surroundings, speckle.
     physics
         Roughness, lens and sensor chip.
+    faults
+        What else is wrong with the picture.
+    neighbours_mm
+        Lateral places, from this wheel, of more wheels of the same shape on the same axle line.
 
     Raises
     ------
@@ -64,6 +65,8 @@ class WheelScene(Scene):
     laser_on: bool = True
     seed: int = 0
     physics: Physics = field(default_factory=Physics)
+    faults: WheelFaults = field(default_factory=WheelFaults)
+    neighbours_mm: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not np.isfinite([self.axle_offset_mm, self.lateral_shift_mm]).all():
@@ -79,27 +82,47 @@ class WheelScene(Scene):
         return RigidTransform(np.eye(3), np.array(place))
 
     def _add_subject(self, frame: Counts, by_chance: np.random.Generator) -> None:
-        body = Revolution(
-            self.wheel.profile,
-            self.wheel.radius_mm,
-            self.rig_from_camera.inverse() @ self.rig_from_axle,
-        )
+        for beside_mm in (0.0, *self.neighbours_mm):
+            self._add_wheel(frame, beside_mm, by_chance)
+
+    def _add_wheel(self, frame: Counts, beside_mm: float, by_chance: np.random.Generator) -> None:
+        place = RigidTransform(np.eye(3), np.array([0.0, beside_mm, 0.0])) @ self.rig_from_axle
+        cam_from_axle = self.rig_from_camera.inverse() @ place
+        outline = self.wheel.profile.points_mm
+        coat = self.faults.soiling.coat(outline, np.random.default_rng([self.seed, 1]))
+        surface = outline + coat.height_mm[:, None] * self.wheel.profile.normals
+        body = Revolution(WheelProfile(surface), self.wheel.radius_mm, cam_from_axle)
         cover, light = body_light(body, self.sensor.camera, self.recipe, by_chance)
         frame *= 1.0 - cover
         frame += light
         if self.laser_on:
-            self._add_stripes(frame, body, by_chance)
+            self._add_stripes(frame, body, coat.returns, by_chance)
 
-    def _add_stripes(self, frame: Counts, body: Revolution, by_chance: np.random.Generator) -> None:
-        recipe = self.recipe
+    def _add_stripes(
+        self, frame: Counts, body: Revolution, coat: FloatArray, by_chance: np.random.Generator
+    ) -> None:
+        recipe, faults = self.recipe, self.faults
         sheet = LaserSheet.of_sensor(self.sensor, by_chance, unevenness=recipe.stripe_unevenness)
-        stains = dirt(by_chance, len(body.profile.points_mm), 0.05, self.physics.grain)
+        stains = coat * dirt(by_chance, len(coat), 0.05, self.physics.grain)
         self._add_stripe(frame, body, sheet, stains, by_chance)
         if recipe.false_stripe > 0.0:
             false = sheet.reflected_through(
                 _beside(body, sheet, by_chance), by_chance, power=0.5 * recipe.false_stripe
             )
             self._add_stripe(frame, body, false, stains, by_chance)
+        if faults.sun_stripe > 0.0:
+            sun = sun_through_slit(body, sheet, by_chance, power=faults.sun_stripe)
+            self._add_stripe(frame, body, sun, stains, by_chance)
+        if faults.mirror_share > 0.0:
+            self._add_mirrored(frame, body, sheet)
+
+    def _add_mirrored(self, frame: Counts, body: Revolution, sheet: LaserSheet) -> None:
+        """Add what polished steel shows of the stripe."""
+        camera = self.sensor.camera
+        window = Window.whole(camera)
+        light = mirrored_stripe(body, sheet, camera, window, self.faults.mirror_share)
+        light *= np.float32(self.recipe.stripe * LASER_FOR_STEEL)
+        frame += self.physics.lens.blur(light, depth_of_sheet(sheet, camera, window))
 
     def _add_stripe(
         self,
@@ -109,26 +132,16 @@ class WheelScene(Scene):
         stains: FloatArray,
         by_chance: np.random.Generator,
     ) -> None:
-        """Add the light of one sheet on the wheel to the picture."""
-        camera = self.sensor.camera
-        middle = body.section(sheet.plane, sheet.source_in_cam_mm, np.zeros(1)).points_in_cam_mm
-        middle = middle[:, 0]
-        middle = middle[middle[:, 2] > 0.0]
-        if len(middle) == 0:
-            return
-        window = Window.around(camera.project(middle), camera, margin_px=_MARGIN_PX)
-        if window.empty:
-            return
-        light = stripe_light(body, sheet, camera, window, stains)
-        light *= np.float32(self.recipe.stripe * _LASER_FOR_STEEL)
-        grains = speckle(by_chance, light.shape, self.physics.speckle)
-        depth = _sheet_depth_mm(sheet, ray_map(camera, window))
-        frame[window.slices] += self.physics.lens.blur(light, depth) * grains
-
-
-def _sheet_depth_mm(sheet: LaserSheet, rays: Counts) -> Counts:
-    a, b, c = sheet.plane.normal_in_cam.astype(np.float32)
-    return np.asarray(-np.float32(sheet.plane.offset_mm) / (a * rays[0] + b * rays[1] + c))
+        add_stripe(
+            frame,
+            body,
+            sheet,
+            stains,
+            by_chance,
+            camera=self.sensor.camera,
+            level=self.recipe.stripe,
+            physics=self.physics,
+        )
 
 
 def _beside(body: Revolution, sheet: LaserSheet, rng: np.random.Generator) -> FloatArray:

@@ -5,6 +5,13 @@ session`` reads one moment.  The functions here take such a session.
 """
 
 from station.store.activations import activate, active
+from station.store.axles import (
+    Appearance,
+    axles_of,
+    history_of,
+    places_of,
+    replace_axles,
+)
 from station.store.disposal import disposable_recordings, measured_recordings
 from station.store.engine import Store, sqlite_url
 from station.store.jobs import (
@@ -53,6 +60,7 @@ from station.store.states import (
 )
 from station.store.tables import (
     Activation,
+    AxleWheel,
     Calibration,
     CalibrationPoints,
     CalibrationSession,
@@ -72,6 +80,8 @@ __all__ = [
     "PASS",
     "SESSION",
     "Activation",
+    "Appearance",
+    "AxleWheel",
     "Calibration",
     "CalibrationPoints",
     "CalibrationSession",
@@ -97,20 +107,24 @@ __all__ = [
     "add_key",
     "add_measurements",
     "any_key",
+    "axles_of",
     "caller_of",
     "counts_by_state",
     "digest",
     "disposable_recordings",
-    "frame_totals",
     "end",
     "ensure_unguessable",
+    "frame_totals",
+    "history_of",
     "measured_recordings",
     "measurements_page",
     "migrate",
     "open_sessions",
     "pass_in_progress",
+    "places_of",
     "recordings_of",
     "recordings_page",
+    "replace_axles",
     "report_progress",
     "revision_of",
     "session_in_progress",

@@ -8,9 +8,11 @@ from typing import Generic, TypeVar
 from sqlalchemy import Select, func, select, tuple_
 from sqlalchemy.orm import Session
 
+from measure import Side
 from station.errors import NotFound
 from station.store.states import PASS, SESSION, PassState, SessionState
 from station.store.tables import (
+    AxleWheel,
     Calibration,
     CalibrationSession,
     Job,
@@ -132,13 +134,25 @@ def measurements_page(
     after: int = 0,
     pass_id: str | None = None,
     sensor: str | None = None,
+    wheelset: str | None = None,
+    side: Side | None = None,
 ) -> Page[Measurement]:
-    """Return measurements in the order they were made, from those behind the key `after`."""
+    """Return measurements in the order they were made, from those behind the key `after`.
+
+    `side` is that of the train; with a `wheelset`, its own.
+    """
     query = select(Measurement).where(Measurement.id > after).order_by(Measurement.id)
     if pass_id is not None:
         query = query.where(Measurement.pass_id == pass_id)
     if sensor is not None:
         query = query.where(Measurement.sensor == sensor)
+    if wheelset is not None or side is not None:
+        query = query.join(AxleWheel, AxleWheel.measurement_id == Measurement.id)
+    if wheelset is not None:
+        query = query.where(AxleWheel.wheelset == wheelset)
+    if side is not None:
+        own = AxleWheel.side if wheelset is None else AxleWheel.wheelset_side
+        query = query.where(own == side)
     return _page(session, query, limit)
 
 

@@ -17,6 +17,7 @@ from sqlalchemy import (
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 from sqlalchemy.types import TypeDecorator
 
+from measure import Placing, Side
 from station.store.states import CalibrationState, JobState, PassState, SessionState, State
 
 JsonObject = dict[str, Any]
@@ -60,6 +61,8 @@ class Table(DeclarativeBase):
         SessionState: _state(SessionState),
         CalibrationState: _state(CalibrationState),
         JobState: _state(JobState),
+        Side: _state(Side),
+        Placing: _state(Placing),
     }
 
 
@@ -75,6 +78,8 @@ class Pass(Table):
     finished_at: Mapped[datetime | None]
     reason: Mapped[str | None] = mapped_column(Text)
     job_id: Mapped[str | None]
+    axles: Mapped[int | None]  # as the controller counted them
+    consist: Mapped[JsonObject | None]  # {"named": "put" or "finish", "wheelsets": [...]}
 
 
 class CalibrationSession(Table):
@@ -184,6 +189,35 @@ class Measurement(Table):
     software: Mapped[str]
     measured_at: Mapped[datetime]
     wheel: Mapped[JsonObject]
+    regime: Mapped[str | None]  # whose limits raised the alarms
+
+
+class AxleWheel(Table):
+    """One wheel of an axle of a pass, also one that nobody saw."""
+
+    __tablename__ = "axle_wheels"
+    __table_args__ = (
+        UniqueConstraint("pass_id", "place", "side"),
+        Index("ix_axle_wheels_wheelset_wheelset_side_id", "wheelset", "wheelset_side", "id"),
+        Index("ix_axle_wheels_measurement_id", "measurement_id"),
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    pass_id: Mapped[str] = mapped_column(ForeignKey("passes.id"))
+    place: Mapped[int]  # among the rows of the pass, from 1
+    side: Mapped[Side]
+    number: Mapped[int | None]  # of the axle in the train, from 1
+    placing: Mapped[Placing]
+    passed_at: Mapped[datetime | None]
+    remark: Mapped[str | None] = mapped_column(Text)
+    measurement_id: Mapped[int | None] = mapped_column(ForeignKey("measurements.id"))
+    others: Mapped[JsonObject]  # {"measurements": [...]}: where it was seen more than once
+    reason: Mapped[str | None] = mapped_column(Text)  # why it was not seen
+    wheelset: Mapped[str | None]
+    wheelset_side: Mapped[Side | None]  # of the wheelset itself: it may run turned about
+    vehicle: Mapped[str | None]
+    position: Mapped[str | None]
+    jumps: Mapped[JsonObject]  # by quantity, against the wheelset's pass before
 
 
 class Job(Table):

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 from calib import Method, Target
+from measure import Limits
 from station.documents import CalibrationDocument, MeasurementDocument
 from station.operations import DataLayout, utc_now
 from station.pipeline import CalibrationOutcome
@@ -40,6 +41,7 @@ class MeasureSources(Protocol):
         calibration: CalibrationDocument,
         *,
         reference: str,
+        limits: Limits,
         progress: Progress,
     ) -> MeasurementDocument: ...
 

@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 from typing import NotRequired, TypedDict
 
-from station.documents import CalibrationDocument, WheelDocument
+from sqlalchemy.orm import Session
+
+from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
+from station.limits import limits_of
 from station.store import (
     PASS,
     Calibration,
@@ -18,6 +21,7 @@ from station.store import (
     recordings_of,
     the,
 )
+from station.trains import keep_axles
 from station.worker.context import WorkContext
 from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
 
@@ -52,6 +56,7 @@ def measure_recording(
             [context.layout.root / recording.path],
             CalibrationDocument.model_validate_json(calibration.document or ""),
             reference=context.settings.reference,
+            limits=limits_of(context.settings.limits),
             progress=JobProgress(context, job_id, first=place / of, last=(place + 1) / of),
         )
     except JobCancelled:
@@ -59,9 +64,7 @@ def measure_recording(
     except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
         return StepResult(recording=recording_id, refused=one_line(error, job_id))
     rows = [
-        _row(
-            context, recording, wheel, place=at, reference=found.reference, software=found.software
-        )
+        _row(context, recording, wheel, place=at, found=found)
         for at, wheel in enumerate(found.wheels)
     ]
     with context.store.change() as session:
@@ -76,8 +79,7 @@ def _row(
     wheel: WheelDocument,
     *,
     place: int,
-    reference: str,
-    software: str,
+    found: MeasurementDocument,
 ) -> Measurement:
     # A wheel without a frame of its own still needs a key: no camera gives a negative one.
     frame = wheel.frame if wheel.frame is not None else -1 - place
@@ -87,8 +89,9 @@ def _row(
         calibration_id=recording.calibration_id,
         sensor=recording.sensor,
         pass_id=recording.pass_id,
-        reference=reference,
-        software=software,
+        reference=found.reference,
+        regime=found.regime,
+        software=found.software,
         measured_at=context.now(),
         wheel=wheel.model_dump(mode="json"),
     )
@@ -109,6 +112,7 @@ def conclude_measuring(context: WorkContext, job_id: str, results: Sequence[Step
         cut = any(recording.recovered for recording in recordings)
         _step(row, PassState.RECOVERED if cut else PassState.DONE)
         row.reason = "; ".join([*refused, *_unmeasured(recordings)]) or None
+        _keep_axles(context, session, row)
         end(job, JobState.DONE, at=context.now())
 
 
@@ -130,7 +134,17 @@ def fail_measuring(context: WorkContext, job_id: str, why: str) -> None:
         row = the(session, Pass, job.subject)
         _step(row, PassState.FAILED)
         row.reason = why
+        _keep_axles(context, session, row)
         end(job, JobState.FAILED, at=context.now(), error=why)
+
+
+def _keep_axles(context: WorkContext, session: Session, row: Pass) -> None:
+    try:
+        with session.begin_nested():
+            keep_axles(session, row, context.settings)
+    except Exception as error:  # noqa: BLE001  the readings stand, and the job must end
+        why = f"no axles: {one_line(error, row.job_id or row.id)}"
+        row.reason = why if row.reason is None else f"{row.reason}; {why}"
 
 
 def _step(row: Pass, wanted: PassState) -> None:

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 import wheel_stripes as ws
+from scipy.signal import savgol_filter
 
 from calib import Cause
 from measure import reference_profile
 from measure.cleaning import keep_wheel
 from measure.flange import Voters, find_flanges
-from measure.noise import noise_of
+from measure.noise import _running_parabola, noise_of
 from measure.pieces import pieces, sizes
 from measure.registration import best_shift, refine_shift, see_back_face
 from measure.template import template_of
@@ -104,6 +105,25 @@ def test_speckle_that_neighbours_share_is_seen_for_what_it_is(rng):
     assert noise.run_points == pytest.approx(8.9, rel=0.25)
 
 
+def test_a_short_run_of_shared_errors_is_told_to_a_tenth(rng):
+    told = []
+    for _ in range(8):
+        kernel = np.exp(-0.5 * (np.arange(-8, 9) / 1.65) ** 2)
+        kernel /= np.linalg.norm(kernel)
+        height = np.convolve(rng.normal(0.0, 0.016, 466), kernel, mode="valid")
+        told.append(noise_seen(height).run_points)
+    # A kernel of 1.65 points, as speckle has on a rendered wheel: 2 sqrt(pi) 1.65 = 5.8.
+    assert np.mean(told) == pytest.approx(5.8, rel=0.1)
+    assert np.max(told) < 8.5
+
+
+@pytest.mark.parametrize("points", [21, 45])
+def test_running_parabola_is_the_filter_of_savitzky_and_golay(points, rng):
+    values = rng.normal(size=200)
+    expected = savgol_filter(values, points, 2)
+    np.testing.assert_allclose(_running_parabola(values, points), expected, atol=1e-12)
+
+
 def voters(points, flip=1.0):
     tangent = np.gradient(points, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
@@ -138,12 +158,12 @@ def test_two_flanges_are_both_told():
 
 
 def test_a_rough_shift_is_refined_on_back_and_tip(rng):
-    points, *_ = laid(rng=rng)
+    points, _, stripe = laid(rng=rng)
     worn = points - np.column_stack([np.zeros(len(points)), 4.0 * (points[:, 0] > -20.0)])
     shift = refine_shift(worn + [3.0, 400.0], np.array([4.2, 398.9]), TEMPLATE)
     # 160 points of 0.01 mm: a micrometre or two across, and along through the tip's curvature.
     np.testing.assert_allclose(shift, [3.0, 400.0], atol=0.01)
-    found = best_shift(worn + [3.0, 400.0], [np.array([4.2, 397.0])], TEMPLATE)
+    found = best_shift(worn + [3.0, 400.0], stripe, [np.array([4.2, 397.0])], TEMPLATE)
     np.testing.assert_allclose(found, [3.0, 400.0], atol=0.01)
 
 

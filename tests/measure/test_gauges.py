@@ -150,6 +150,25 @@ def test_greatest_wear_is_found_where_it_is():
     assert result.wear_max_at_d_mm == pytest.approx(90.0, abs=1.5)
 
 
+def test_a_tread_without_a_hollow_has_one_of_nothing_give_or_take():
+    points = S1002.points(0.25, back_face_mm=20.0)
+    hollow = gauged(points).found[Quantity.HOLLOW_DEPTH]
+    # Of two means over 12 mm, 48 points each: 1.5 x sqrt(2 / 48) of a point's own scatter.
+    sigma = np.linalg.norm(hollow.estimate.gradient)
+    assert hollow.estimate.value == 0.0
+    assert sigma == pytest.approx(1.5 * np.sqrt(2.0 / 48.0), rel=0.25)
+
+
+def test_the_throat_beside_it_does_not_move_the_greatest_wear():
+    y, z = S1002.points(0.25, back_face_mm=20.0).T
+    bump = 2.0 * np.exp(-0.5 * ((y + 6.0) / 30.0) ** 2) * (y > -40.0)
+    result = gauged(np.column_stack([y, z - bump]))
+    # Lines over 8 mm to either side, cut short at the end of the tread, lean by 2 mm; the tread
+    # itself, bent by the throat, would have it at the very end, 8 mm away.
+    assert result.wear_max_at_d_mm == pytest.approx(64.0, abs=2.5)
+    assert result.found[Quantity.TREAD_WEAR_MAX].estimate.value == pytest.approx(2.0, abs=0.01)
+
+
 def test_a_sharp_edge_is_followed_by_a_narrower_window():
     s = np.linspace(-6.0, 6.0, 241)
     points = np.column_stack([s, -np.abs(s) * 0.5])

@@ -62,6 +62,19 @@ def test_reference_of_dense_points_reads_like_the_analytic_one():
         assert table.nominal[quantity] == pytest.approx(value, abs=1e-3)
 
 
+def test_points_that_scatter_about_the_flange_back_make_no_steps(rng):
+    analytic = reference_profile("S1002")
+    y, z = analytic.points(0.2, back_face_mm=25.0).T
+    scattered = y + np.where(y <= -70.0, rng.normal(0.0, 0.1, len(y)), 0.0)
+    order = rng.permutation(len(y))
+    table = ReferenceProfile.from_points("table", scattered[order], z[order])
+    inner = np.linspace(-69.0, 55.0, 500)
+    # Chords of 0.2 mm where the flange is steep, 1 in 5 of a mm beside the back.
+    np.testing.assert_allclose(table.height_mm(inner), analytic.height_mm(inner), atol=5e-3)
+    assert table.start_mm >= -70.0
+    assert table.height_mm(table.start_mm) > 5.0
+
+
 def test_unknown_name_is_refused_with_the_known_ones():
     with pytest.raises(ReferenceUnknown, match="S1002, LMA"):
         reference_profile("S1003")

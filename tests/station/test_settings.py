@@ -2,8 +2,10 @@
 
 import pytest
 
+from measure import PRESETS, Limit, Limits, Quantity
 from station.errors import InputUnusable
-from station.settings import load_settings
+from station.limits import limits_of
+from station.settings import MountingSettings, SensorSettings, load_settings
 
 GOOD = """
 data_dir = "data"
@@ -57,6 +59,15 @@ def test_the_environment_wins_over_the_file_and_keys_in_it_are_no_settings(read,
         (GOOD.replace('"left"', '"Left Side"'), "sensors.0.id: String should match"),
         ('data_dir = "data"\nsensors = []\n', "sensors: Tuple should have at least 1 item"),
         ("data_dir = \n", "not a TOML file"),
+        (GOOD + "[limits.flange_hight]\nlow = 27\n", "no quantity 'flange_hight'; allowed: flange"),
+        (GOOD + "[limits.tread_wear]\nhight = 8\n", "limits.tread_wear.hight: Extra inputs"),
+        (GOOD + "[limits.tread_wear]\nhigh = inf\n", "limits.tread_wear.high: Input should be a"),
+        (GOOD + "[limits.tread_wear]\njump = 0\n", "limits.tread_wear.jump: Input should be"),
+        (
+            GOOD + "[limits.flange_height]\nlow = 36\nhigh = 27\n",
+            "low 36 and high 27 allow nothing",
+        ),
+        (GOOD + '[limits]\npreset = "uic"\n', "'practice', 'tsi' or 'china_freight'"),
         (b"\xff\xfe", "not a TOML file"),
         ("", "data_dir: Field required"),
     ],
@@ -67,6 +78,31 @@ def test_a_wrong_setting_is_one_line_that_names_it(read, text, says):
     assert says in str(refusal.value)
     assert "station.toml" in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+def test_a_sensor_that_mirrors_the_left_one_across_the_track_is_the_right_one(read):
+    surveyed = GOOD.replace("translation_mm = [0, 0, 0]", "translation_mm = [-557, -118, -223]")
+    assert read(surveyed).sensor("left").side == "right"
+    told = surveyed.replace('id = "left"', 'id = "left"\nside = "left"')
+    assert read(told).sensor("left").side == "left"
+    mounting = MountingSettings(rotation_vector=(0, 0, 0), translation_mm=(-1, 0, 0))
+    made = SensorSettings(id="a", address="127.0.0.2", mounting=mounting)
+    assert (made.side, read(GOOD).sensor("right").side) == ("right", "left")
+
+
+def test_limits_are_those_of_practice_where_none_are_given(read):
+    assert limits_of(read(GOOD).limits) == Limits.default()
+
+
+def test_a_limit_given_takes_the_place_of_the_presets_and_the_name_says_so(read):
+    given = GOOD + '[limits]\npreset = "tsi"\n[limits.tread_wear]\nhigh = 6\njump = 0.4\n'
+    limits = limits_of(read(given).limits)
+    assert limits.regime == "tsi, changed"
+    assert limits.of[Quantity.TREAD_WEAR] == Limit(high_mm=6.0, jump_mm=0.4)
+    untouched = PRESETS["tsi"].of[Quantity.FLANGE_HEIGHT]
+    assert limits.of[Quantity.FLANGE_HEIGHT] == untouched
+    named = read(given.replace("[limits]", '[limits]\nregime = "depot 7"')).limits
+    assert limits_of(named).regime == "depot 7"
 
 
 def test_a_missing_file_is_refused_with_what_to_give(tmp_path):

@@ -11,6 +11,7 @@ from station.api.routes import (
     results,
     sessions,
     station,
+    wheelsets,
 )
 
 ROUTERS: tuple[APIRouter, ...] = (
@@ -22,6 +23,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     jobs.router,
     recordings.router,
     results.router,
+    wheelsets.router,
 )
 
 __all__ = ["ROUTERS"]

@@ -2,10 +2,12 @@
 
 from fastapi import APIRouter, Response
 
-from station.api.answers import MeasurementModel, PassModel, WheelsModel
+from station.api.answers import PassModel
 from station.api.callers import Operator, Reader
 from station.api.parts import PartsOf
 from station.api.requests import FinishRequest, IdInPath, PassRequest
+from station.api.wheel_answers import WheelsModel
+from station.trains import Named
 
 router = APIRouter(prefix="/v1/passes/{pass_id}", tags=["passes"])
 
@@ -15,7 +17,7 @@ def put_pass(
     pass_id: IdInPath, body: PassRequest, parts: PartsOf, _: Operator, response: Response
 ) -> PassModel:
     """Arm every sensor and record: a train comes.  A second time changes nothing."""
-    view, new = parts.passes.open(pass_id, train=body.train)
+    view, new = parts.passes.open(pass_id, train=body.train, consist=body.named(Named.COMING))
     response.status_code = 201 if new else 200
     return PassModel.of(view)
 
@@ -23,7 +25,10 @@ def put_pass(
 @router.post("/finish")
 def finish_pass(pass_id: IdInPath, body: FinishRequest, parts: PartsOf, _: Operator) -> PassModel:
     """Close, hold the frames against the count, have them measured: the train has gone."""
-    return PassModel.of(parts.passes.finish(pass_id, axles=body.axles, triggers=body.triggers))
+    view = parts.passes.finish(
+        pass_id, axles=body.axles, triggers=body.triggers, consist=body.named(Named.GONE)
+    )
+    return PassModel.of(view)
 
 
 @router.get("")
@@ -34,7 +39,5 @@ def get_pass(pass_id: IdInPath, parts: PartsOf, _: Reader) -> PassModel:
 
 @router.get("/wheels")
 def get_wheels(pass_id: IdInPath, parts: PartsOf, _: Reader) -> WheelsModel:
-    """Return the wheels of a pass, those measured so far."""
-    state = parts.passes.view(pass_id).row.state
-    wheels = [MeasurementModel.of(row) for row in parts.passes.wheels(pass_id)]
-    return WheelsModel(pass_id=pass_id, state=state, wheels=wheels)
+    """Return the wheels of a pass, those measured so far, and its axles once all are."""
+    return WheelsModel.of(parts.passes.wheels(pass_id))

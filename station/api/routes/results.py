@@ -4,12 +4,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from station.api.answers import MeasurementModel, MeasurementsPage
+from measure import Side
 from station.api.callers import Reader
 from station.api.parts import PartsOf
-from station.api.requests import CallersId, Limit
+from station.api.requests import CallersId, Limit, WheelsetId
+from station.api.wheel_answers import MeasurementModel, MeasurementsPage
 from station.settings import SensorId
-from station.store import measurements_page
+from station.store import measurements_page, places_of
 
 router = APIRouter(prefix="/v1/measurements", tags=["measurements"])
 
@@ -24,11 +25,24 @@ def list_measurements(
     after: Annotated[int, Query(ge=0, le=_LARGEST_ID, description="`next` of a page.")] = 0,
     pass_id: Annotated[CallersId | None, Query(alias="pass")] = None,
     sensor: SensorId | None = None,
+    wheelset: WheelsetId | None = None,
+    side: Annotated[
+        Side | None, Query(description="Of the train; with a wheelset, its own.")
+    ] = None,
 ) -> MeasurementsPage:
     """Return measurements in the order they were made."""
     with parts.station.store.look() as session:
-        page = measurements_page(session, limit=limit, after=after, pass_id=pass_id, sensor=sensor)
+        page = measurements_page(
+            session,
+            limit=limit,
+            after=after,
+            pass_id=pass_id,
+            sensor=sensor,
+            wheelset=wheelset,
+            side=side,
+        )
+        places = places_of(session, page.rows)
     return MeasurementsPage(
-        measurements=[MeasurementModel.of(row) for row in page.rows],
+        measurements=[MeasurementModel.of(row, places.get(row.id)) for row in page.rows],
         next=page.rows[-1].id if page.more else None,
     )

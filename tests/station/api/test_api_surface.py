@@ -29,6 +29,7 @@ def filled(path):
         sensor_id="left",
         job_id="j",
         recording_id="r",
+        wheelset_id="w",
     )
 
 

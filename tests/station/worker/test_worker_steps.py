@@ -7,10 +7,12 @@ from worker_double import WHEELS, SlowMathematics
 from station.operations import cancel_job
 from station.operations.collaborators import Station
 from station.store import (
+    AxleWheel,
     Calibration,
     CalibrationPoints,
     Job,
     Pass,
+    axles_of,
     measurements_page,
     the,
     wheels_of,
@@ -66,6 +68,7 @@ def test_a_measured_pass_is_done_and_names_frame_calibration_and_software(ground
     assert {(w.software, w.reference, w.recording_id[:8]) for w in wheels} == {
         ("treadline 0", "S1002", "pass.p1.")
     }
+    assert {w.regime for w in wheels} == {"practice"}
 
 
 def test_a_step_done_again_after_a_crash_adds_nothing(ground, context):
@@ -95,6 +98,8 @@ def test_one_recording_that_fails_does_not_take_the_other_with_it(ground, contex
     )
     with ground.store.look() as session:
         assert {w.sensor for w in wheels_of(session, row)} == {"left"}
+        why = {each.reason for each in axles_of(session, "p1") if each.side == "right"}
+    assert why == {"sensor right: no wheel of its recording was measured"}
 
 
 def test_a_pass_of_which_nothing_can_be_measured_fails_with_the_reason(ground, context):
@@ -102,6 +107,21 @@ def test_a_pass_of_which_nothing_can_be_measured_fails_with_the_reason(ground, c
     measure_all(context, job)
     assert found(ground, Pass, "p1").state == "failed"
     assert "internal error" in found(ground, Job, job).error
+
+
+def test_readings_stand_where_no_axles_can_be_made_of_them(ground, context, monkeypatch):
+    def fail(session, row, _settings):
+        session.add(AxleWheel(pass_id=row.id))  # half of it is in the transaction by then
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("station.worker.measuring.keep_axles", fail)
+    measure_all(context, ground.order_measuring("p1"))
+    row = found(ground, Pass, "p1")
+    assert row.state == "done"
+    assert row.reason.startswith("no axles: internal error (ZeroDivisionError)")
+    with ground.store.look() as session:
+        assert len(wheels_of(session, row)) == 2 * WHEELS
+        assert axles_of(session, "p1") == []
 
 
 def test_a_cancelled_job_keeps_nothing_it_was_at(ground, context):

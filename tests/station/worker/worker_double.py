@@ -48,7 +48,7 @@ class SlowMathematics:
         self._note(f"end calibrate {sensor}")
         return CalibrationOutcome(a_calibration_document(sensor), "image,kind\n", ())
 
-    def measure(self, sources, calibration, *, reference, progress):
+    def measure(self, sources, calibration, *, reference, limits, progress):
         (source,) = sources
         self._note(f"begin measure {source.stem}")
         self._work(progress)
@@ -64,6 +64,7 @@ class SlowMathematics:
             software="treadline 0",
             calibration="0" * 64,
             reference=reference,
+            regime=limits.regime,
             wheels=wheels,
         )
 

@@ -1,0 +1,88 @@
+"""The axles of passes, and what is known of a wheelset from pass to pass."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from measure import Placing, Side
+from station.store.tables import AxleWheel, Measurement, Pass
+
+RECENT = 3
+"""Passes that a jump is looked for in: the last is enough where it was measured whole, and each
+brings a profile of 40 kB to every wheel of a train."""
+
+
+@dataclass(frozen=True, slots=True)
+class Appearance:
+    """A wheel of a wheelset in one pass, measured there."""
+
+    row: AxleWheel
+    of_pass: Pass
+    measurement: Measurement
+
+
+def replace_axles(session: Session, pass_id: str, rows: Iterable[AxleWheel]) -> None:
+    """Keep the axles of a pass in place of those kept before; done again, nothing changes."""
+    session.execute(delete(AxleWheel).where(AxleWheel.pass_id == pass_id))
+    session.add_all(rows)
+    session.flush()
+
+
+def axles_of(session: Session, pass_id: str) -> Sequence[AxleWheel]:
+    """Return the wheels of a pass's axles in the order of passing, left before right."""
+    return session.scalars(
+        select(AxleWheel)
+        .where(AxleWheel.pass_id == pass_id)
+        .order_by(AxleWheel.place, AxleWheel.side)
+    ).all()
+
+
+def places_of(session: Session, measurements: Iterable[Measurement]) -> dict[int, AxleWheel]:
+    """Return the wheels of axles that measurements are of, by the measurement's id."""
+    passes = {measurement.pass_id for measurement in measurements}
+    rows = session.scalars(select(AxleWheel).where(AxleWheel.pass_id.in_(passes))).all()
+    found = {each: row for row in rows for each in row.others["measurements"]}
+    return found | {row.measurement_id: row for row in rows if row.measurement_id is not None}
+
+
+def history_of(
+    session: Session,
+    wheelset: str,
+    *,
+    side: Side | None = None,
+    before: Pass | None = None,
+    most: int = RECENT,
+) -> Sequence[Appearance]:
+    """Return where a wheelset was measured, the oldest first.
+
+    Parameters
+    ----------
+    side
+        Of the wheelset itself; both where not given.
+    before
+        A pass: those opened earlier alone.
+    most
+        How many, the newest ones.
+
+    Returns
+    -------
+    appearances
+        Those whose place in the train is certain: one that is inferred may be another wheelset.
+    """
+    query = (
+        select(AxleWheel, Pass, Measurement)
+        .join(Pass, AxleWheel.pass_id == Pass.id)
+        .join(Measurement, AxleWheel.measurement_id == Measurement.id)
+        .where(AxleWheel.wheelset == wheelset)
+        .where(AxleWheel.placing == Placing.CERTAIN)
+        .order_by(Pass.opened_at.desc(), AxleWheel.id.desc())
+        .limit(most)
+    )
+    if side is not None:
+        query = query.where(AxleWheel.wheelset_side == side)
+    if before is not None:
+        query = query.where(Pass.opened_at < before.opened_at)
+    found = [Appearance(*row) for row in session.execute(query)]
+    return found[::-1]

@@ -1,0 +1,57 @@
+"""Wheels that changed between two passes as wear does not change them."""
+
+from collections.abc import Mapping, Sequence
+
+from sqlalchemy.orm import Session
+
+from measure import Jump, Limits, Placing, Quantity, jump_between
+from station.store import Appearance, AxleWheel, JsonObject, Measurement, Pass, history_of
+from station.trains.wheels import comparable, point_of
+
+
+def jumps_of(
+    session: Session,
+    row: Pass,
+    wheel: AxleWheel,
+    measured: Mapping[int, Measurement],
+    limits: Limits,
+) -> JsonObject:
+    """Return the jumps of a wheel against its wheelset's last pass, by quantity.
+
+    None of a wheel whose place in the train is not certain: it may be another wheelset's.
+    """
+    if wheel.wheelset is None or wheel.measurement_id is None:
+        return {}
+    if wheel.placing is not Placing.CERTAIN:
+        return {}
+    history = history_of(session, wheel.wheelset, side=wheel.wheelset_side, before=row)
+    now = Appearance(wheel, row, measured[wheel.measurement_id])
+    found = {quantity: jump_to(history, now, quantity, limits) for quantity in limits.of}
+    return {
+        quantity.value: {
+            "change": jump.change_mm,
+            "u95": jump.u95_mm,
+            "limit": jump.limit_mm,
+            "before": before,
+        }
+        for quantity, answer in found.items()
+        if answer is not None
+        for jump, before in [answer]
+    }
+
+
+def jump_to(
+    history: Sequence[Appearance], now: Appearance, quantity: Quantity, limits: Limits
+) -> tuple[Jump, str] | None:
+    """Return the jump of a quantity, and since which pass; None where there is none."""
+    value = point_of(now, quantity)
+    limit = limits.of.get(quantity)
+    if value is None or limit is None:
+        return None
+    for earlier in reversed(history):
+        before = point_of(earlier, quantity)
+        if before is None or not comparable(earlier.measurement, now.measurement, quantity):
+            continue
+        jump = jump_between(before, value, limit)
+        return None if jump is None else (jump, earlier.of_pass.id)
+    return None

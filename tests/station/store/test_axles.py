@@ -1,0 +1,207 @@
+"""Shows that axles are kept once, wheelsets are followed in the order of passing, and that the
+tables of axles come and go without touching what was there, on SQLite and on PostgreSQL."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.runtime.migration import MigrationContext
+from sqlalchemy import inspect, text
+
+from measure import Placing, Side
+from station.store import (
+    AxleWheel,
+    Calibration,
+    CalibrationState,
+    Measurement,
+    Pass,
+    PassState,
+    Recording,
+    Store,
+    Table,
+    axles_of,
+    history_of,
+    measurements_page,
+    migrate,
+    places_of,
+    replace_axles,
+    revision_of,
+)
+from station.store.engine import open_engine
+
+NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
+INITDB = shutil.which("initdb")
+
+
+@pytest.fixture(scope="module")
+def postgres():
+    """The URL of an empty PostgreSQL, on a socket in a folder of its own."""
+    if INITDB is None:
+        pytest.skip("no PostgreSQL on this host")
+    root = Path(tempfile.mkdtemp(prefix="treadline-pg-"))
+    # PostgreSQL refuses to be run by root.
+    as_user = {"user": "postgres", "group": "postgres"} if os.getuid() == 0 else {}
+    if as_user:
+        shutil.chown(root, **as_user)
+    run = {"check": True, "capture_output": True, **as_user}
+    data = root / "data"
+    subprocess.run([INITDB, "-D", data, "-U", "treadline", "-A", "trust", "--no-sync"], **run)
+    options = f"-k {root} -c listen_addresses='' -c fsync=off"
+    control = str(Path(INITDB).with_name("pg_ctl"))
+    log = root / "log"
+    subprocess.run([control, "-D", data, "-o", options, "-l", log, "-w", "start"], **run)
+    yield f"postgresql+psycopg://treadline@/postgres?host={root}"
+    subprocess.run([control, "-D", data, "-m", "immediate", "stop"], **run)
+    shutil.rmtree(root)
+
+
+@pytest.fixture(params=["sqlite", "postgres"])
+def any_url(request, url):
+    if request.param == "sqlite":
+        yield url
+        return
+    url = request.getfixturevalue("postgres")
+    yield url
+    migrate(url, "base")
+
+
+@pytest.fixture
+def any_store(any_url):
+    migrate(any_url)
+    store = Store.open(any_url)
+    with store.change() as session:
+        session.add(
+            Calibration(
+                id="c1",
+                state=CalibrationState.READY,
+                sensor="left",
+                target="dots:7x8:12",
+                method="joint",
+                recording_ids={"recordings": [], "laser_off": []},
+                created_at=NOON,
+                job_id="j",
+            )
+        )
+    yield store
+    store.close()
+
+
+def a_pass(session, name, day):
+    """A pass with one measured wheel."""
+    row = Pass(id=name, state=PassState.DONE, opened_at=NOON + timedelta(days=day), axles=1)
+    session.add(row)
+    session.flush()
+    opened = {"path": "x", "opened_at": row.opened_at, "recovered": False}
+    session.add(Recording(id=name, sensor="left", pass_id=name, calibration_id="c1", **opened))
+    session.flush()
+    measurement = Measurement(
+        recording_id=name,
+        frame=1,
+        calibration_id="c1",
+        sensor="left",
+        pass_id=name,
+        reference="S1002",
+        software="treadline 0",
+        measured_at=row.opened_at,
+        wheel={"frame": 1},
+        regime="tsi",
+    )
+    session.add(measurement)
+    session.flush()
+    return row, measurement
+
+
+def an_axle(row, measurement=None, *, side=Side.LEFT, placing=Placing.CERTAIN, others=()):
+    return AxleWheel(
+        pass_id=row.id,
+        place=1,
+        side=side,
+        number=1,
+        placing=placing,
+        measurement_id=None if measurement is None else measurement.id,
+        others={"measurements": list(others)},
+        reason=None if measurement is not None else "not seen",
+        wheelset="w1",
+        wheelset_side=side,
+        jumps={},
+    )
+
+
+def test_axles_worked_out_again_take_the_place_of_the_first(any_store):
+    with any_store.change() as session:
+        row, measurement = a_pass(session, "p1", 0)
+        for _ in range(2):
+            rows = [an_axle(row, measurement), an_axle(row, side=Side.RIGHT)]
+            replace_axles(session, row.id, rows)
+    with any_store.look() as session:
+        kept = axles_of(session, "p1")
+    assert [(each.side, each.measurement_id is None) for each in kept] == [
+        (Side.LEFT, False),
+        (Side.RIGHT, True),
+    ]
+
+
+def test_a_wheelset_is_followed_in_the_order_of_passing(any_store):
+    with any_store.change() as session:
+        for name, day in (("p3", 3), ("p1", 1), ("p2", 2)):
+            row, measurement = a_pass(session, name, day)
+            placing = Placing.INFERRED if name == "p2" else Placing.CERTAIN
+            replace_axles(session, name, [an_axle(row, measurement, placing=placing)])
+    with any_store.look() as session:
+        found = history_of(session, "w1", side=Side.LEFT)
+        assert [each.of_pass.id for each in found] == ["p1", "p3"]
+        last = session.get(Pass, "p3")
+        assert [each.of_pass.id for each in history_of(session, "w1", before=last)] == ["p1"]
+        assert [each.of_pass.id for each in history_of(session, "w1", most=1)] == ["p3"]
+        assert history_of(session, "w1", side=Side.RIGHT) == []
+
+
+def test_measurements_are_found_by_wheelset_and_side_each_with_its_place(any_store):
+    with any_store.change() as session:
+        row, measurement = a_pass(session, "p1", 0)
+        replace_axles(session, row.id, [an_axle(row, measurement, others=[77])])
+        a_pass(session, "p2", 1)
+    with any_store.look() as session:
+        page = measurements_page(session, limit=9, wheelset="w1", side=Side.LEFT)
+        assert [each.pass_id for each in page.rows] == ["p1"]
+        assert measurements_page(session, limit=9, side=Side.RIGHT).rows == []
+        places = places_of(session, page.rows)
+        assert places[page.rows[0].id].wheelset == places[77].wheelset == "w1"
+        assert places_of(session, []) == {}
+
+
+def differences(url):
+    engine = open_engine(url)
+    with engine.connect() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_type": True})
+        found = compare_metadata(context, Table.metadata)
+    engine.dispose()
+    return found
+
+
+def test_axles_come_and_go_and_leave_what_was_there(any_url):
+    migrate(any_url, "0002")
+    engine = open_engine(any_url)
+    with engine.begin() as connection:
+        connection.execute(
+            text("INSERT INTO passes (id, state, opened_at) VALUES ('old', 'done', :at)"),
+            {"at": "2026-07-01 12:00:00+00:00"},
+        )
+    migrate(any_url)
+    assert differences(any_url) == []
+    store = Store.open(any_url)
+    with store.look() as session:
+        old = session.get(Pass, "old")
+        assert (old.axles, old.consist, axles_of(session, "old")) == (None, None, [])
+    store.close()
+    migrate(any_url, "0002")
+    assert revision_of(any_url) == "0002"
+    assert "axle_wheels" not in inspect(engine).get_table_names()
+    with engine.connect() as connection:
+        assert connection.execute(text("SELECT id FROM passes")).all() == [("old",)]
+    engine.dispose()
