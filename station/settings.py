@@ -47,6 +47,15 @@ class MountingSettings(Section):
     """Translation of rig_from_camera: the camera's place in the rig frame, mm."""
     wheel_radius_mm: float = Field(default=420.0, gt=100.0, lt=1000.0)
     """Nominal radius of the wheels at the tape circle, mm."""
+    sigma_radius_mm: float | None = Field(default=None, gt=0.0)
+    """How far wheels differ from it, one sigma, mm; this and the next, where absent: as
+    `measure.Mounting` takes them."""
+    sigma_axle_x_mm: float | None = Field(default=None, gt=0.0)
+    """How far from the sheet axles stand when a picture is taken, mm."""
+    sigma_height_mm: float | None = Field(default=None, gt=0.0)
+    """How far the tread is from the rail's nominal top: survey, load, bounce, mm."""
+    sigma_axle_direction_rad: float | None = Field(default=None, gt=0.0)
+    """How far axles are from rig y: survey, cant, yaw of the bogie, rad."""
 
 
 class RegionSettings(Section):

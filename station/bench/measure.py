@@ -8,7 +8,7 @@ import numpy as np
 from calib import FloatArray, RigidTransform, locate_stripe
 from measure import Mounting, Quantity, WheelFrame, measure_wheel, reference_profile
 from station.bench.figures import Row, figure
-from station.bench.wheel_truths import true_values
+from station.bench.wheel_truths import errors_and_u95
 from station.pipeline import map_on_all_cores
 from station.progress import Progress
 from station.scenes import WheelScene, WheelTruth, paper_sensor, trackside_mounting
@@ -180,14 +180,7 @@ def _errors_and_u95(task: _Pass) -> list[tuple[float, float]]:
         reference_profile(scene.wheel.reference),
         mounting=task.mounting,
     )
-    truth = true_values(scene.wheel)
-    readings = ((quantity, answer.readings[quantity]) for quantity in ASKED_RMS_MM)
-    return [
-        (float("nan"), float("nan"))
-        if reading.value is None or reading.u95 is None
-        else (reading.value - truth[quantity], reading.u95)
-        for quantity, reading in readings
-    ]
+    return errors_and_u95(answer, scene.wheel, ASKED_RMS_MM)
 
 
 def _row(reference: str, quantity: Quantity, drawn: FloatArray) -> dict[str, Value]:

@@ -8,7 +8,7 @@ import numpy as np
 from calib import FloatArray, LaserSensor, calibrate
 from measure import Mounting, Quantity, WheelFrame, measure_wheel, reference_profile
 from station.bench.lights import TARGET, observe_light
-from station.bench.wheel_truths import true_values
+from station.bench.wheel_truths import errors_and_u95
 from station.pipeline import locate_wheel_stripe, map_on_all_cores
 from station.progress import Progress
 from station.scenes import (
@@ -138,14 +138,7 @@ def _errors_and_u95(picture: _Picture) -> list[tuple[float, float]]:
         reference_profile(scene.wheel.reference),
         mounting=Mounting(scene.rig_from_camera),
     )
-    truth = true_values(scene.wheel)
-    readings = ((quantity, answer.readings[quantity]) for quantity in ASKED_GOOD_MM)
-    return [
-        (float("nan"), float("nan"))
-        if reading.value is None or reading.u95 is None
-        else (reading.value - truth[quantity], reading.u95)
-        for quantity, reading in readings
-    ]
+    return errors_and_u95(answer, scene.wheel, ASKED_GOOD_MM)
 
 
 def _row(name: str, drawn: FloatArray, good: bool) -> dict[str, Value]:

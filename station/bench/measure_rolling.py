@@ -9,7 +9,7 @@ from calib import FloatArray
 from measure import Mounting, Quantity, WheelFrame, measure_wheel, reference_profile
 from station.bench.measure import SURVEYED_RAD, yawed_mounting
 from station.bench.wheel_stripes import PlacedWheel, StripeNoise
-from station.bench.wheel_truths import true_values
+from station.bench.wheel_truths import errors_and_u95
 from station.pipeline import map_on_all_cores
 from station.progress import Progress
 from station.scenes import WheelTruth, paper_sensor
@@ -115,11 +115,4 @@ def _one(
     answer = measure_wheel(
         frames, paper_sensor(), reference_profile(wheel.reference), mounting=mounting
     )
-    truth = true_values(wheel)
-    readings = ((quantity, answer.readings[quantity]) for quantity in _READ)
-    return [
-        (float("nan"), float("nan"))
-        if reading.value is None or reading.u95 is None
-        else (reading.value - truth[quantity], reading.u95)
-        for quantity, reading in readings
-    ]
+    return errors_and_u95(answer, wheel, _READ)

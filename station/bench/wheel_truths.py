@@ -1,9 +1,11 @@
 """What every gauge truly reads on a wheel whose outline is known, by the gauges' definitions."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from calib import FloatArray
-from measure import Quantity, reference_profile
+from measure import Quantity, WheelReadings, reference_profile
 from station.scenes import WheelTruth
 
 # Where `measure` looks for the greatest wear and for a hollow, y.
@@ -24,6 +26,20 @@ def true_values(wheel: WheelTruth) -> dict[Quantity, float]:
         Quantity.TREAD_WEAR_MAX: _greatest_wear_mm(wheel),
         Quantity.HOLLOW_DEPTH: _hollow_mm(wheel),
     }
+
+
+def errors_and_u95(
+    answer: WheelReadings, wheel: WheelTruth, quantities: Iterable[Quantity]
+) -> list[tuple[float, float]]:
+    """Return how far each reading is off and its u95, mm; NaN where it is not given."""
+    truth = true_values(wheel)
+    readings = ((quantity, answer.readings[quantity]) for quantity in quantities)
+    return [
+        (float("nan"), float("nan"))
+        if reading.value is None or reading.u95 is None
+        else (reading.value - truth[quantity], reading.u95)
+        for quantity, reading in readings
+    ]
 
 
 def _greatest_wear_mm(wheel: WheelTruth) -> float:

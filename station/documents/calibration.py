@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import AwareDatetime, Field, model_validator
 
 from calib import SENSOR_PARAMETERS, LaserSensor, LightPlane, RigidTransform
+from measure import Mounting
 from station.documents.base import Document
 from station.documents.camera import CameraDocument
 from station.settings import MountingSettings
@@ -72,6 +73,10 @@ class MountingDocument(Document):
     translation_mm: tuple[float, float, float]
     """Of rig_from_camera."""
     wheel_radius_mm: float = Field(default=420.0, gt=100.0, lt=1000.0)
+    sigma_radius_mm: float | None = Field(default=None, gt=0.0)
+    sigma_axle_x_mm: float | None = Field(default=None, gt=0.0)
+    sigma_height_mm: float | None = Field(default=None, gt=0.0)
+    sigma_axle_direction_rad: float | None = Field(default=None, gt=0.0)
 
     @classmethod
     def from_settings(cls, mounting: MountingSettings) -> Self:
@@ -85,6 +90,11 @@ class MountingDocument(Document):
     def rig_from_camera(self) -> RigidTransform:
         """Return the survey as a motion."""
         return RigidTransform.from_rotation_vector(self.rotation_vector, self.translation_mm)
+
+    def mounting(self) -> Mounting:
+        """Return the survey as what measures wheels takes it."""
+        said = self.model_dump(exclude_none=True, exclude={"rotation_vector", "translation_mm"})
+        return Mounting(rig_from_camera=self.rig_from_camera(), **said)
 
 
 class CalibrationDocument(Document):

@@ -54,7 +54,7 @@ class WheelGauge:
         return cls(
             sensor=calibration.laser_sensor(),
             sensor_id=calibration.sensor,
-            mounting=_mounting(calibration),
+            mounting=None if calibration.mounting is None else calibration.mounting.mounting(),
             reference=load_reference(reference),
             made_of=(calibration.model_dump_json(), reference),
             limits=limits if limits is not None else Limits.default(),
@@ -121,15 +121,6 @@ class WheelGauge:
 def _made_again(calibration_json: str, reference: str, limits: Limits) -> WheelGauge:
     calibration = CalibrationDocument.model_validate_json(calibration_json)
     return WheelGauge.of(calibration, reference, limits)
-
-
-def _mounting(calibration: CalibrationDocument) -> Mounting | None:
-    if calibration.mounting is None:
-        return None
-    return Mounting(
-        rig_from_camera=calibration.mounting.rig_from_camera(),
-        wheel_radius_mm=calibration.mounting.wheel_radius_mm,
-    )
 
 
 def _utc(time_ns: int | None) -> datetime | None:
