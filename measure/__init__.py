@@ -7,19 +7,10 @@ from measure.errors import (
     ReferenceInvalid,
     ReferenceUnknown,
 )
-from measure.gauge_levels import EN_15313, GaugeLevels
+from measure.gauging.levels import EN_15313, GaugeLevels
 from measure.grouping import each_wheel, group_into_wheels
 from measure.limits import PRESETS, Limit, Limits
-from measure.miniprof import MiniProfText, ascii_fields, format_miniprof, parse_miniprof
 from measure.mounting import Mounting
-from measure.new_wheel import (
-    NOMINAL,
-    REFERENCE_STEP_MM,
-    REFERENCE_WINDOW_MM,
-    MeasuredReference,
-    NewWheel,
-    reference_of_new_wheels,
-)
 from measure.piece import (
     Piece,
     PieceDeviation,
@@ -31,8 +22,17 @@ from measure.piece import (
     judge_piece,
 )
 from measure.profile import Profile
-from measure.profile_gauges import gauge_profile
-from measure.profile_text import parse_profile_csv, parse_profile_text
+from measure.profiles.gauged import gauge_profile
+from measure.profiles.miniprof import MiniProfText, ascii_fields, format_miniprof, parse_miniprof
+from measure.profiles.new_wheel import (
+    NOMINAL,
+    REFERENCE_STEP_MM,
+    REFERENCE_WINDOW_MM,
+    MeasuredReference,
+    NewWheel,
+    reference_of_new_wheels,
+)
+from measure.profiles.text import parse_profile_csv, parse_profile_text
 from measure.quantities import Alarm, Quantity, Reading, Status
 from measure.reference import ReferenceProfile, reference_profile
 from measure.train import (

@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib import Cause, FloatArray, LaserSensor, StripePoints
-from measure.curve import Curve, Found
-from measure.estimate import Estimate
-from measure.gauges import Gauged, gauge
-from measure.laying import Laid, Unmeasured, lay_by_axle
+from measure.gauging.curve import Curve, Found
+from measure.gauging.estimate import Estimate
+from measure.gauging.gauges import Gauged, gauge
+from measure.gauging.uncertainty import Budget, Motions, whitened
+from measure.laying.by_axle import Laid, Unmeasured, lay_by_axle
+from measure.laying.by_shape import lay_by_shape
+from measure.laying.section import SheetPoints
 from measure.mounting import Mounting
-from measure.pieces import MIN_PIECE, pieces, sizes
+from measure.placing.pieces import MIN_PIECE, pieces, sizes
+from measure.placing.registration import see_back_face
+from measure.placing.template import Template, template_of
 from measure.quantities import ASSUMED_BACK_SIGMA_MM, NEEDS_BACK, Quantity, Status
 from measure.reference import BACK_Y_MM, ReferenceProfile
-from measure.registration import see_back_face
-from measure.section import SheetPoints
-from measure.shape_laying import lay_by_shape
-from measure.template import Template, template_of
-from measure.uncertainty import Budget, Motions, whitened
 
 MIN_STRIPE_POINTS = 100
 """A picture with fewer points on its stripe shows no wheel."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import FloatArray, frozen
-from measure.gauge_levels import TAPE_D_MM
+from measure.gauging.levels import TAPE_D_MM
 from measure.quantities import Quantity
 from measure.reference import ReferenceProfile
 

@@ -8,13 +8,13 @@ import numpy as np
 
 from calib import Cause, LaserSensor, StripePoints
 from measure.frame import FrameReadings, Value, measure_frame
-from measure.laying import Unmeasured
+from measure.gauging.uncertainty import COVERAGE_FACTOR, PICTURE_FLOOR_MM
+from measure.laying.by_axle import Unmeasured
 from measure.limits import Limits
 from measure.mounting import Mounting
 from measure.profile import Profile
 from measure.quantities import Quantity, Reading, Status
 from measure.reference import ReferenceProfile
-from measure.uncertainty import COVERAGE_FACTOR, PICTURE_FLOOR_MM
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from calib import LaserSensor, StripePoints
+from measure.gauging.uncertainty import COVERAGE_FACTOR, MODEL_FLOOR_MM
 from measure.piece.certified import Piece
 from measure.piece.dimensions import Dimension, dimensions_of, form_of, hidden_faces
 from measure.piece.fit import LaidPiece, lay_on_piece
 from measure.piece.place import PiecePlace
 from measure.piece.verdict import PieceJudgement, PieceReading, PieceVerdict, Told, judged_by
-from measure.uncertainty import COVERAGE_FACTOR, MODEL_FLOOR_MM
 
 # A piece that stood still shows the same speckle again: only where it was moved by more than
 # grain and kernel do pictures scatter apart.

@@ -8,7 +8,7 @@ import numpy as np
 from calib import FloatArray
 from measure.piece.face import PieceFace
 from measure.piece.fit import LaidPiece
-from measure.pieces import MIN_PIECE
+from measure.placing.pieces import MIN_PIECE
 
 BIN_MM = 5.0
 """Length of the parts of profile whose mean is held against the certificate."""

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib import BoolArray, FloatArray, IntArray, LaserSensor, SheetFrame, StripePoints, kernel_of
-from measure.bend import bend_px
+from measure.laying.bend import bend_px
+from measure.laying.section import SheetPoints
 from measure.piece.certified import Piece
 from measure.piece.match import (
     GATE_MM,
@@ -18,8 +19,7 @@ from measure.piece.match import (
 )
 from measure.piece.noise import scatter_of
 from measure.piece.search import PiecePose, find_piece
-from measure.pieces import MIN_PIECE, pieces, sizes
-from measure.section import SheetPoints
+from measure.placing.pieces import MIN_PIECE, pieces, sizes
 
 _FARTHEST_SIGMAS = 5.0
 # What spreads light along the stripe, and the kernel that reads it, end within three sigmas.

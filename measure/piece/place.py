@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from measure.gauging.uncertainty import COVERAGE_FACTOR, MODEL_FLOOR_MM
 from measure.piece.fit import LaidPiece
-from measure.uncertainty import COVERAGE_FACTOR, MODEL_FLOOR_MM
 
 _STILL_MM = 1.0
 

@@ -6,8 +6,8 @@ from enum import StrEnum
 
 from scipy.stats import norm
 
+from measure.gauging.uncertainty import COVERAGE_FACTOR
 from measure.piece.place import PiecePlace
-from measure.uncertainty import COVERAGE_FACTOR
 
 FALSE_ALARM = 0.01
 """How often a true sensor is called drifted, at most."""

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.special import stdtrit
 
 from calib import FloatArray
+from measure.gauging.uncertainty import COVERAGE_FACTOR
 from measure.limits import Limit
-from measure.uncertainty import COVERAGE_FACTOR
 
 JUMP_COVERAGE = 1.5
 """A change that is none exceeds the u95 of the difference once in 20 times, 1.5 of it (2.9 sigma)

@@ -5,7 +5,7 @@ import pytest
 import wheel_stripes as ws
 
 from measure import Quantity, WheelFrame, measure_wheel, reference_profile
-from measure.axle import solve_axle
+from measure.laying.axle import solve_axle
 
 SENSOR, RIG = ws.trackside()
 TREAD_MM = np.array([363.0, 210.0])

@@ -8,7 +8,7 @@ import pytest
 import wheel_stripes as ws
 
 from calib import locate_stripe
-from measure.bend import bend_px
+from measure.laying.bend import bend_px
 
 
 def ring(radius_px, width_px, rng, size=320):

@@ -7,12 +7,12 @@ from scipy.signal import savgol_filter
 
 from calib import Cause
 from measure import reference_profile
-from measure.cleaning import keep_wheel
-from measure.flange import Voters, find_flanges
-from measure.noise import _running_parabola, noise_of
-from measure.pieces import pieces, sizes
-from measure.registration import best_shift, refine_shift, see_back_face
-from measure.template import template_of
+from measure.keeping.cleaning import keep_wheel
+from measure.keeping.noise import _running_parabola, noise_of
+from measure.placing.flange import Voters, find_flanges
+from measure.placing.pieces import pieces, sizes
+from measure.placing.registration import best_shift, refine_shift, see_back_face
+from measure.placing.template import template_of
 
 TEMPLATE = template_of(reference_profile("S1002"))
 _PX_MM = 0.3

@@ -6,15 +6,15 @@ import wheel_stripes as ws
 
 from calib import Cause
 from measure import reference_profile
-from measure.belonging import can_be_wheel, mostly_wheel
-from measure.bumps import bumps
-from measure.cleaning import keep_wheel
-from measure.flange import Voters, find_flanges
-from measure.laying import MOST_TIP_MISFIT_MM
-from measure.melted import melted
-from measure.registration import best_shift, refine_shift, tip_misfit_mm
-from measure.template import template_of
-from measure.upright import false_back
+from measure.keeping.bumps import bumps
+from measure.keeping.cleaning import keep_wheel
+from measure.keeping.melted import melted
+from measure.keeping.upright import false_back
+from measure.laying.by_axle import MOST_TIP_MISFIT_MM
+from measure.placing.belonging import can_be_wheel, mostly_wheel
+from measure.placing.flange import Voters, find_flanges
+from measure.placing.registration import best_shift, refine_shift, tip_misfit_mm
+from measure.placing.template import template_of
 
 TEMPLATE = template_of(reference_profile("S1002"))
 STEP_MM, SIGMA_MM = 0.3, 0.01

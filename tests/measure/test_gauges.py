@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from measure import Quantity, Status, reference_profile
-from measure.curve import Curve, Found
-from measure.estimate import Estimate
-from measure.gauges import gauge
-from measure.localfit import LocalFit
+from measure.gauging.curve import Curve, Found
+from measure.gauging.estimate import Estimate
+from measure.gauging.gauges import gauge
+from measure.gauging.localfit import LocalFit
 
 S1002 = reference_profile("S1002")
 

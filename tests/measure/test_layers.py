@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from measure.layers import one_layer
+from measure.keeping.layers import one_layer
 
 
 def both(first, second, step_mm=0.3):

@@ -21,7 +21,7 @@ from measure import (
     parse_profile_text,
     reference_profile,
 )
-from measure.profile_orientation import oriented
+from measure.profiles.orientation import oriented
 
 S1002 = reference_profile("S1002")
 D, H = (S1002.points(0.4, back_face_mm=20.0) + [70.0, 0.0]).T

@@ -5,8 +5,8 @@ import pytest
 import wheel_stripes as ws
 
 from calib import LaserSensor, LightPlane
-from measure.axle import solve_axle
-from measure.section import AxleMap, Section, SheetMap, SheetPoints
+from measure.laying.axle import solve_axle
+from measure.laying.section import AxleMap, Section, SheetMap, SheetPoints
 
 
 def exact_section(wheel, sensor, rig):

@@ -6,7 +6,7 @@ import pytest
 
 from measure import Alarm, Limit, Reading, Status, TrendPoint, difference, fit_trend, jump_between
 from measure import spread as spread_of
-from measure.uncertainty import COVERAGE_FACTOR
+from measure.gauging.uncertainty import COVERAGE_FACTOR
 
 
 def points(days, values, u95=0.04):

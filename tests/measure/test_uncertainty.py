@@ -7,7 +7,7 @@ import wheel_stripes as ws
 from calib import CameraModel, LaserSensor, LightPlane
 from measure import Status, WheelFrame, measure_wheel, reference_profile
 from measure.frame import Value
-from measure.uncertainty import Budget, whitened
+from measure.gauging.uncertainty import Budget, whitened
 from measure.wheel import generalised_mean
 
 SENSOR, RIG = ws.trackside()

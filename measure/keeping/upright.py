@@ -3,8 +3,8 @@
 import numpy as np
 
 from calib import BoolArray, FloatArray, IntArray
-from measure.registration import refine_shift
-from measure.template import Template
+from measure.placing.registration import refine_shift
+from measure.placing.template import Template
 
 # The stripe shows every 0.3 to 0.4 mm; two steps at once are a gap, or a jump to another thing.
 _JOINED_MM = 0.8

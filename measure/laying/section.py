@@ -14,7 +14,7 @@ from calib import (
     StripePoints,
     frozen,
 )
-from measure.bend import bend_px
+from measure.laying.bend import bend_px
 from measure.mounting import Mounting
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import FloatArray
-from measure.estimate import Estimate
-from measure.localfit import LocalFit
+from measure.gauging.estimate import Estimate
+from measure.gauging.localfit import LocalFit
 from measure.quantities import Status
 
 _BIN_MM = 0.5

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 from calib import BoolArray, FloatArray, IntArray
-from measure.template import Template
+from measure.placing.template import Template
 
 _CELL_MM = 2.0
 _VOTERS = 350

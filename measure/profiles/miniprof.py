@@ -9,10 +9,10 @@ import numpy as np
 
 from calib import FloatArray
 from measure.errors import ProfileTextInvalid
-from measure.gauge_levels import GaugeLevels
+from measure.gauging.levels import GaugeLevels
 from measure.profile import Profile
-from measure.profile_numbers import has_decimal_commas, is_comment, number, numbers_of
-from measure.profile_orientation import oriented
+from measure.profiles.numbers import has_decimal_commas, is_comment, number, numbers_of
+from measure.profiles.orientation import oriented
 from measure.quantities import Quantity
 
 _OLD_MARKS = ("MINIPROF", "#MINIWHEELPROF")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import FloatArray, IntArray
-from measure.estimate import Estimate
+from measure.gauging.estimate import Estimate
 
 _MIN_POINTS = 6
 _MIN_SPAN = 0.8

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import FloatArray
-from measure.estimate import Estimate
+from measure.gauging.estimate import Estimate
 
 COVERAGE_FACTOR = 1.96
 """A normal 95 % interval: the parts are many and small."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import FloatArray, frozen
+from measure.laying.section import AxleMap
 from measure.mounting import Mounting
-from measure.section import AxleMap
 
 _ITERATIONS = 8
 

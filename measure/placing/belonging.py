@@ -3,7 +3,7 @@
 import numpy as np
 
 from calib import BoolArray, FloatArray, IntArray
-from measure.template import Template
+from measure.placing.template import Template
 
 # A wheel wears inward; it lies outward where its profile is another than the reference: flanges
 # of one railway are thicker by 4 mm than those of another, and metal that rolls over makes a lip.

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from measure.errors import ProfileTextInvalid
-from measure.miniprof import MiniProfText, looks_like_miniprof, parse_miniprof
 from measure.profile import Profile
-from measure.profile_numbers import has_decimal_commas, numbers_of
-from measure.profile_orientation import Origin, oriented
+from measure.profiles.miniprof import MiniProfText, looks_like_miniprof, parse_miniprof
+from measure.profiles.numbers import has_decimal_commas, numbers_of
+from measure.profiles.orientation import Origin, oriented
 
 _LATERAL = {
     "d": Origin.BACK,

@@ -8,16 +8,16 @@ from scipy.spatial import cKDTree
 from scipy.stats import t as student
 
 from calib import FloatArray
-from measure.curve import Curve, Found
 from measure.errors import ReferenceInvalid
-from measure.estimate import Estimate
-from measure.gauge_levels import TAPE_D_MM
-from measure.gauges import gauge
+from measure.gauging.curve import Curve, Found
+from measure.gauging.estimate import Estimate
+from measure.gauging.gauges import gauge
+from measure.gauging.levels import TAPE_D_MM
+from measure.gauging.uncertainty import COVERAGE_FACTOR
 from measure.profile import Profile
-from measure.profile_gauges import curve_of, profile_sigma
+from measure.profiles.gauged import curve_of, profile_sigma
 from measure.quantities import Quantity, Reading, Status
 from measure.reference import ReferenceProfile, reference_profile
-from measure.uncertainty import COVERAGE_FACTOR
 
 REFERENCE_STEP_MM = 0.25
 """Distance of a reference's points: its chords lie 0.7 um below an arc of 12 mm at most."""

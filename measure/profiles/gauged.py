@@ -7,15 +7,15 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from calib import FloatArray
-from measure.curve import Curve, Found
-from measure.estimate import Estimate
-from measure.gauge_levels import EN_15313, GaugeLevels
-from measure.gauges import Gauged, gauge
+from measure.gauging.curve import Curve, Found
+from measure.gauging.estimate import Estimate
+from measure.gauging.gauges import Gauged, gauge
+from measure.gauging.levels import EN_15313, GaugeLevels
+from measure.gauging.uncertainty import Budget
 from measure.limits import Limits
 from measure.profile import Profile
 from measure.quantities import ASSUMED_BACK_SIGMA_MM, NEEDS_BACK, Quantity, Reading, Status
 from measure.reference import ReferenceProfile
-from measure.uncertainty import Budget
 from measure.wheel import WheelQuality, WheelReadings
 
 # A profile that someone smoothed already is averaged over little more than its own points; seven

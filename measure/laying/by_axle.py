@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import Cause, FloatArray, LaserSensor
-from measure.axle import Axle, solve_axle
-from measure.cleaning import Kept, keep_wheel
-from measure.flange import NARROWEST_RIM_MM, WHEELS_APART_MM, Voters, find_flanges
+from measure.keeping.cleaning import Kept, keep_wheel
+from measure.keeping.noise import Noise
+from measure.laying.axle import Axle, solve_axle
+from measure.laying.section import AxleMap, Section, SheetPoints, radial_place_mm
 from measure.mounting import Mounting
-from measure.noise import Noise
-from measure.registration import best_shift, refine_shift, tip_misfit_mm
-from measure.section import AxleMap, Section, SheetPoints, radial_place_mm
-from measure.template import Template
+from measure.placing.flange import NARROWEST_RIM_MM, WHEELS_APART_MM, Voters, find_flanges
+from measure.placing.registration import best_shift, refine_shift, tip_misfit_mm
+from measure.placing.template import Template
 
 MIN_WHEEL_POINTS = 60
 # S1002 by LMA is off by 0.3: more is no flange, or none that the laser drew.

@@ -7,14 +7,14 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from calib import BoolArray, Cause, FloatArray, IntArray, StripePoints
-from measure.belonging import can_be_wheel, mostly_wheel
-from measure.bumps import bumps
-from measure.layers import one_layer
-from measure.melted import melted
-from measure.noise import Noise, noise_of, rest_of
-from measure.pieces import MIN_PIECE, pieces, sizes
-from measure.template import Template
-from measure.upright import false_back
+from measure.keeping.bumps import bumps
+from measure.keeping.layers import one_layer
+from measure.keeping.melted import melted
+from measure.keeping.noise import Noise, noise_of, rest_of
+from measure.keeping.upright import false_back
+from measure.placing.belonging import can_be_wheel, mostly_wheel
+from measure.placing.pieces import MIN_PIECE, pieces, sizes
+from measure.placing.template import Template
 
 _SMOOTHING_POINTS, _AROUND_POINTS = 21, 31
 _REJECT_SIGMAS = 4.0

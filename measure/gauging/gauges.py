@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib import FloatArray
-from measure.curve import Curve, Found
-from measure.estimate import Estimate
-from measure.gauge_levels import EN_15313, TAPE_D_MM, GaugeLevels
+from measure.gauging.curve import Curve, Found
+from measure.gauging.estimate import Estimate
+from measure.gauging.levels import EN_15313, TAPE_D_MM, GaugeLevels
 from measure.quantities import Quantity, Status
 from measure.reference import ReferenceProfile
 

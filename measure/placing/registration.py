@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import BoolArray, FloatArray, IntArray, StripePoints
-from measure.belonging import can_be_wheel, mostly_wheel
-from measure.pieces import pieces
-from measure.template import Template
+from measure.placing.belonging import can_be_wheel, mostly_wheel
+from measure.placing.pieces import pieces
+from measure.placing.template import Template
 
 _ROUNDS = 6
 NEAR_MM = 3.0

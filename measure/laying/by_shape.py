@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import FloatArray, LaserSensor
-from measure.flange import Voters, find_flanges
-from measure.laying import Laid, Unmeasured, keep, out_of_form, place_of_flange
-from measure.section import Section, SheetMap, SheetPoints
-from measure.template import Template
+from measure.laying.by_axle import Laid, Unmeasured, keep, out_of_form, place_of_flange
+from measure.laying.section import Section, SheetMap, SheetPoints
+from measure.placing.flange import Voters, find_flanges
+from measure.placing.template import Template
 
 # Outward is towards the camera, or the tread would not be seen.
 _ANGLES_RAD = np.radians(np.arange(-75.0, 75.1, 5.0))

@@ -1,0 +1,1 @@
+"""Which points of a stripe are the wheel, and how they scatter."""

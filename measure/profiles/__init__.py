@@ -1,0 +1,1 @@
+"""Profiles from elsewhere: read, gauged, written, and made a reference."""
