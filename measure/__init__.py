@@ -1,5 +1,6 @@
 """From a stripe on a wheel to gauge readings with their uncertainty.  Pure mathematics, mm."""
 
+from measure.analytic_references import reference_profile
 from measure.errors import (
     MeasureError,
     PieceInvalid,
@@ -34,7 +35,7 @@ from measure.profiles.new_wheel import (
 )
 from measure.profiles.text import parse_profile_csv, parse_profile_text
 from measure.quantities import Alarm, Quantity, Reading, Status
-from measure.reference import ReferenceProfile, reference_profile
+from measure.reference import ReferenceProfile
 from measure.train import (
     COMPARED,
     Axle,

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from scipy.stats import t as student
 
 from calib import FloatArray
+from measure.analytic_references import reference_profile
 from measure.errors import ReferenceInvalid
 from measure.gauging.curve import Curve, Found
 from measure.gauging.estimate import Estimate
@@ -17,7 +18,7 @@ from measure.gauging.uncertainty import COVERAGE_FACTOR
 from measure.profile import Profile
 from measure.profiles.gauged import curve_of, profile_sigma
 from measure.quantities import Quantity, Reading, Status
-from measure.reference import ReferenceProfile, reference_profile
+from measure.reference import ReferenceProfile
 
 REFERENCE_STEP_MM = 0.25
 """Distance of a reference's points: its chords lie 0.7 um below an arc of 12 mm at most."""

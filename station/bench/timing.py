@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from station.one_core import use_one_core
+from station.processes.one_core import use_one_core
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ import typer
 from station.cli.output import AsJson, emit, progress_bar
 from station.cli.view import Playing, View
 from station.errors import InputUnusable
+from station.processes.stop_signal import StopSignal
 from station.scenes import Light
 from station.simulated import (
     DeviceOptions,
@@ -20,7 +21,6 @@ from station.simulated import (
     Statistics,
     parse_address,
 )
-from station.stop_signal import StopSignal
 
 _LOOK_S = 0.2
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from calib import Picture
 from station.demo.scenario import Scenario
-from station.pool import pool_of_processes
+from station.processes.pool import pool_of_processes
 from station.simulated import ArraySource
 
 

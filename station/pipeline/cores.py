@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TypeVar
 
-from station.pool import pool_of_processes
+from station.processes.pool import pool_of_processes
 
 _START_S = 2.0
 """What it takes a process to start and import the mathematics."""

@@ -8,7 +8,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from station.capture import start_capture
-from station.lifeline import end_with_parent
+from station.processes.lifeline import end_with_parent
 from station.serve.logs import log_as
 from station.serve.sockets import socket_path
 from station.settings import SensorSettings, StationSettings

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 
 import structlog
 
-from station.stop_signal import StopSignal
+from station.processes.stop_signal import StopSignal
 
 _LOOK_EVERY_S = 0.2
 _LOOK_LASTS_S = 2.0

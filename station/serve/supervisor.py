@@ -10,12 +10,12 @@ from pathlib import Path
 import structlog
 
 from station.operations import DataLayout, utc_now
+from station.processes.stop_signal import StopSignal
 from station.serve.children import Child, Handle
 from station.serve.listening import listen, url_of
 from station.serve.processes import start_api, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
 from station.settings import StationSettings
-from station.stop_signal import StopSignal
 from station.store import Scope, Store, add_key, any_key, ensure_unguessable, migrate
 from station.worker import held
 

@@ -8,8 +8,8 @@ from typing import Protocol
 import structlog
 
 from station.operations import DataLayout
+from station.processes.stop_signal import StopSignal
 from station.settings import StationSettings
-from station.stop_signal import StopSignal
 from station.storage import tidy
 from station.store import Store
 from station.worker.context import CalibrateSources, MeasureSources, WorkContext
@@ -68,8 +68,8 @@ def _tidy(context: WorkContext) -> None:
 def run_worker(settings: StationSettings) -> None:
     """Be the worker process of a station: run its jobs until SIGTERM."""
     # Only the process that does the mathematics needs these.
-    from station.one_core import use_one_core  # noqa: PLC0415  as above
     from station.pipeline import calibrate_sources, measure_sources  # noqa: PLC0415  as above
+    from station.processes.one_core import use_one_core  # noqa: PLC0415  as above
 
     use_one_core()  # the other belongs to camera and disk
     stop = StopSignal((signal.SIGTERM,))

@@ -10,7 +10,7 @@ from pathlib import Path
 PATIENCE_S = 30.0
 CALCULATES = """
 import os, time
-from station.pool import pool_of_processes
+from station.processes.pool import pool_of_processes
 
 if __name__ == "__main__":
     with pool_of_processes(2) as pool:

@@ -4,8 +4,8 @@ import os
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-from station.lifeline import end_with_parent
-from station.one_core import use_one_core
+from station.processes.lifeline import end_with_parent
+from station.processes.one_core import use_one_core
 
 
 def pool_of_processes(count: int) -> ProcessPoolExecutor:

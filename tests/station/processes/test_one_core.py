@@ -5,7 +5,7 @@ _PAGES_ASKED_FOR = """
 import resource, sys
 import numpy as np
 if sys.argv[1] == "kept":
-    from station.one_core import use_one_core
+    from station.processes.one_core import use_one_core
     use_one_core()
 def faults():
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt

@@ -8,12 +8,12 @@ import time
 
 import pytest
 
-from station.stop_signal import StopSignal
+from station.processes.stop_signal import StopSignal
 
 PATIENCE_S = 20.0
 HEARS_IT_AT_EVERY_CALL = """
 import signal, sys
-from station.stop_signal import StopSignal
+from station.processes.stop_signal import StopSignal
 stop = StopSignal()
 sys.setprofile(lambda *_: signal.raise_signal(signal.SIGTERM))
 signal.raise_signal(signal.SIGTERM)

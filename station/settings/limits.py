@@ -4,7 +4,7 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from station.settings_section import Section
+from station.settings.section import Section
 
 
 class LimitSettings(Section):

@@ -1,0 +1,1 @@
+"""What processes of the station have in common: their beginning, their end, their core."""

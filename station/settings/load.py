@@ -1,0 +1,60 @@
+"""Reading the settings from TOML and the environment."""
+
+import tomllib
+from pathlib import Path
+
+from pydantic import ValidationError
+from pydantic_settings import (
+    BaseSettings,
+    PydanticBaseSettingsSource,
+    SettingsConfigDict,
+    TomlConfigSettingsSource,
+)
+
+from station.errors import InputUnusable
+from station.settings.station import StationSettings
+
+
+def load_settings(path: Path) -> StationSettings:
+    """Read the settings from a TOML file; variables ``STATION_NAME`` of the environment win.
+
+    A relative `data_dir`, or file of a `reference`, counts from the folder of the file.
+
+    Raises
+    ------
+    InputUnusable
+        If the file cannot be read, is not TOML, or holds a setting that is not allowed.
+    """
+
+    class Sources(BaseSettings, StationSettings):
+        model_config = SettingsConfigDict(
+            env_prefix="STATION_", env_nested_delimiter="__", extra="forbid", toml_file=path
+        )
+
+        @classmethod
+        def settings_customise_sources(
+            cls,
+            settings_cls: type[BaseSettings],
+            init_settings: PydanticBaseSettingsSource,
+            env_settings: PydanticBaseSettingsSource,
+            dotenv_settings: PydanticBaseSettingsSource,
+            file_secret_settings: PydanticBaseSettingsSource,
+        ) -> tuple[PydanticBaseSettingsSource, ...]:
+            return env_settings, TomlConfigSettingsSource(settings_cls)
+
+    try:
+        if not path.is_file():
+            raise InputUnusable(f"{path}: no such settings file; give one by --config station.toml")
+        sources = Sources()  # type: ignore[call-arg]  # its fields come from file and environment
+        found = StationSettings.model_validate(sources.model_dump())
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "settings"
+        raise InputUnusable(f"{path}: {where}: {first['msg']}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputUnusable(f"{path}: not a TOML file: {error}") from error
+    except OSError as error:
+        raise InputUnusable(f"{path}: cannot be read ({error.strerror})") from error
+    reference = path.parent / found.reference
+    beside = {"reference": str(reference.resolve())} if reference.is_file() else {}
+    return found.model_copy(update={"data_dir": (path.parent / found.data_dir).resolve(), **beside})
