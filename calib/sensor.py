@@ -52,7 +52,14 @@ class LaserSensor:
         return self.plane.intersect(self.camera.rays(pixels_px))
 
     def location_jacobians(self, pixels_px: FloatArray) -> tuple[FloatArray, FloatArray]:
-        r"""Return what the points of `locate` owe to the pixels and to the sensor.
+        """Return what the points of `locate` owe to pixels and sensor; `locate_with_jacobians`."""
+        _, by_pixel, by_sensor = self.locate_with_jacobians(pixels_px)
+        return by_pixel, by_sensor
+
+    def locate_with_jacobians(
+        self, pixels_px: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        r"""Return the points of `locate`, and what they owe to the pixels and to the sensor.
 
         Parameters
         ----------
@@ -61,12 +68,14 @@ class LaserSensor:
 
         Returns
         -------
+        points_in_cam_mm
+            Shape (N, 3).
         by_pixel
             d(point)/d(pixel), mm/px, shape (N, 3, 2).
         by_sensor
             d(point)/d(parameters) at a fixed pixel, shape (N, 3, 13), in the order of
             `SENSOR_PARAMETERS`.
-        Rows are NaN where `locate` gives NaN.
+        Rows are NaN where a ray does not meet the sheet in front of the camera.
 
         Notes
         -----
@@ -79,7 +88,8 @@ class LaserSensor:
                   \partial X / \partial d = -\frac{\rho}{n \cdot \rho}
         """
         rays, ray_by_pixel, ray_by_camera = self.camera.rays_with_jacobians(pixels_px)
-        missed = np.isnan(self.plane.intersect(rays)).any(axis=1)
+        points = self.plane.intersect(rays)
+        missed = np.isnan(points).any(axis=1)
         normal, offset = self.plane.normal_in_cam, self.plane.offset_mm
         along = np.where(missed, np.nan, rays @ normal)[:, None, None]
         column = rays[:, :, None]
@@ -87,7 +97,7 @@ class LaserSensor:
         by_normal = offset * column * rays[:, None, :] / along**2
         by_plane = np.concatenate([by_normal, -column / along], axis=2)
         by_sensor = np.concatenate([by_ray @ ray_by_camera, by_plane], axis=2)
-        return by_ray @ ray_by_pixel, by_sensor
+        return points, by_ray @ ray_by_pixel, by_sensor
 
     def location_covariance(
         self,

@@ -68,7 +68,7 @@ def keep_wheel(
     inside = can_be_wheel(along, outside, nearest, template)
     whole = pieces(stripe.centre_px, stripe.normal)
     in_band = np.flatnonzero(inside & mostly_wheel(inside, along, whole, template))
-    hanging = _no_specks(in_band, stripe)
+    hanging = in_band[sizes(whole) >= MIN_PIECE] if inside.all() else _no_specks(in_band, stripe)
     unworn = template.is_unworn(along[hanging])
     first = hanging[one_layer(along[hanging], outside[hanging], unworn)]
     apart = first[~melted(stripe.select(first))]

@@ -141,15 +141,17 @@ class SheetPoints:
     def _located(
         cls, stripe: StripePoints, drawn_px: FloatArray, sensor: LaserSensor
     ) -> "SheetPoints":
-        points = sensor.locate(stripe.centre_px)
-        hit = np.flatnonzero(np.isfinite(points).all(axis=1))
-        seen = stripe.select(hit)
-        by_pixel, by_sensor = sensor.location_jacobians(seen.centre_px)
+        points, by_pixel, by_sensor = sensor.locate_with_jacobians(stripe.centre_px)
+        hit = np.isfinite(points).all(axis=1)
+        seen = stripe
+        if not hit.all():
+            seen = stripe.select(np.flatnonzero(hit))
+            points, by_pixel, by_sensor = points[hit], by_pixel[hit], by_sensor[hit]
         tangent = seen.normal[:, ::-1] * [-1.0, 1.0]
         across = (by_pixel @ seen.normal[:, :, None])[:, :, 0]
         return cls(
             stripe=seen,
-            points_in_cam_mm=points[hit],
+            points_in_cam_mm=points,
             across_mm=across * seen.sigma_px[:, None],
             along_mm=(by_pixel @ tangent[:, :, None])[:, :, 0],
             bend_mm=across * drawn_px[hit, None],

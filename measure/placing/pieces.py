@@ -1,7 +1,7 @@
 """Which points of a stripe hang together."""
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
@@ -35,10 +35,11 @@ def pieces(centre_px: FloatArray, normal: FloatArray) -> IntArray:
     count = len(centre_px)
     if count == 0:
         return np.zeros(0, dtype=np.int64)
-    i, j = cKDTree(centre_px).query_pairs(_LINK_PX, output_type="ndarray").T
+    tree = cKDTree(centre_px, balanced_tree=False, compact_nodes=False)  # made to be asked once
+    i, j = tree.query_pairs(_LINK_PX, output_type="ndarray").T
     same_way = np.abs(np.sum(normal[i] * normal[j], axis=1)) > _COS_LINK
     i, j = i[same_way], j[same_way]
-    links = coo_array((np.ones(len(i)), (i, j)), shape=(count, count))
+    links = csr_array((np.ones(len(i)), (i, j)), shape=(count, count))
     return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
 
 
