@@ -151,6 +151,7 @@ class ReferenceProfile:
 
         Examples
         --------
+        >>> from measure import reference_profile
         >>> reference_profile("S1002").height_mm([0.0, -55.0, 99.0]).round(3).tolist()
         [0.0, 28.0, nan]
         """
