@@ -43,6 +43,7 @@ from calib.judging.distances import PlacementDistances, judge_distances
 from calib.judging.leave_one_out import LeftOutPose, judge_leaving_out
 from calib.judging.repeatability import Repeatability, judge_repeatability
 from calib.plane import LightPlane
+from calib.rig import POSE_PARAMETERS, RIG_PARAMETERS, Rig, RigSensor, moved_by
 from calib.rigid import RigidTransform
 from calib.seeing.noise import PixelNoise
 from calib.seeing.observe import observe_target
@@ -80,7 +81,12 @@ __all__ = [
     "PixelNoise",
     "PlacementDistances",
     "Repeatability",
+    "POSE_PARAMETERS",
+    "RIG_PARAMETERS",
+    "Rig",
+    "RigSensor",
     "RigidTransform",
+    "moved_by",
     "SheetComparison",
     "SheetFrame",
     "SheetTable",

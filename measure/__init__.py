@@ -11,7 +11,7 @@ from measure.errors import (
 from measure.gauging.levels import EN_15313, GaugeLevels
 from measure.grouping import each_wheel, group_into_wheels
 from measure.limits import PRESETS, Limit, Limits
-from measure.mounting import Mounting
+from measure.mounting import Mounting, Survey
 from measure.piece import (
     Piece,
     PieceDeviation,
@@ -76,6 +76,7 @@ __all__ = [
     "MeasuredReference",
     "MiniProfText",
     "Mounting",
+    "Survey",
     "NewWheel",
     "Piece",
     "PieceDeviation",

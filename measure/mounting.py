@@ -1,21 +1,19 @@
-"""Where a sensor stands beside the track, and what is known of the wheels that pass."""
+"""Where a rig stands beside the track, and what is known of the wheels that pass."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from calib import RigidTransform
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Mounting:
-    """The survey of an installation: what turns points in the camera into a wheel's section.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Survey:
+    """What is known of the wheels that pass a rig, and how well.
 
     The axle runs along rig y, at the height of the wheel's radius over the rail; its place along
     the rail at the moment of a picture is solved from the picture.
 
     Attributes
     ----------
-    rig_from_camera
-        The camera's place in the rig frame.
     wheel_radius_mm
         Nominal radius at the tape circle.
     sigma_radius_mm
@@ -26,27 +24,45 @@ class Mounting:
         How far the tread at the tape circle is from the rail's nominal top: survey, load, bounce.
     sigma_axle_direction_rad
         How far the axle is from rig y: survey, cant, yaw of the bogie. It tilts the section.
+    sigma_vibration_mm
+        How far sensors of one rig move against each other, along each axis of a section, between
+        their exposures.
+    sigma_vibration_rad
+        How far they turn against each other in the section.
 
     Raises
     ------
     ValueError
-        If the radius or a sigma is not positive.
+        If a length or an angle is not positive.
     """
 
-    rig_from_camera: RigidTransform
     wheel_radius_mm: float = 420.0
     sigma_radius_mm: float = 10.0
     sigma_axle_x_mm: float = 60.0
     sigma_height_mm: float = 1.0
     sigma_axle_direction_rad: float = 5e-4
+    sigma_vibration_mm: float = 0.3
+    sigma_vibration_rad: float = 2e-4
 
     def __post_init__(self) -> None:
-        for name in (
-            "wheel_radius_mm",
-            "sigma_radius_mm",
-            "sigma_axle_x_mm",
-            "sigma_height_mm",
-            "sigma_axle_direction_rad",
-        ):
-            if not 0.0 < getattr(self, name) < float("inf"):
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)!r}")
+        for each in fields(Survey):
+            if not 0.0 < getattr(self, each.name) < float("inf"):
+                raise ValueError(f"{each.name} must be positive, got {getattr(self, each.name)!r}")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mounting(Survey):
+    """The survey of one sensor's installation: what turns points in the camera into a section.
+
+    Attributes
+    ----------
+    rig_from_camera
+        The camera's place in the rig frame.
+
+    Raises
+    ------
+    ValueError
+        As `Survey`.
+    """
+
+    rig_from_camera: RigidTransform

@@ -256,7 +256,7 @@ def test_moving_sensor_and_wheel_together_changes_nothing(along_mm, across_mm):
     stripe = ws.stripe_on(ws.Wheel(tread_wear_mm=2.0), SENSOR, RIG, rng)
     moved = RigidTransform(np.eye(3), np.array([along_mm, across_mm, 0.0])) @ RIG
     before = measured(stripe).readings
-    after = measured(stripe, mounting=Mounting(moved, ws.RADIUS_MM)).readings
+    after = measured(stripe, mounting=Mounting(moved, wheel_radius_mm=ws.RADIUS_MM)).readings
     for quantity, reading in before.items():
         assert after[quantity].value == pytest.approx(reading.value, abs=1e-6)
         assert after[quantity].u95 == pytest.approx(reading.u95, abs=1e-6)
