@@ -56,7 +56,15 @@ from measure.train import (
     jump_between,
     spread,
 )
-from measure.wheel import WheelFrame, WheelQuality, WheelReadings, measure_wheel
+from measure.place import TreadPoint, WheelPlace
+from measure.shot import MAX_SKEW_S, Shot, WheelFrame, each_shot, group_into_shots
+from measure.wheel import (
+    SensorShare,
+    WheelQuality,
+    WheelReadings,
+    measure_wheel,
+    measure_wheel_on_rig,
+)
 
 __all__ = [
     "REFERENCE_STEP_MM",
@@ -117,6 +125,14 @@ __all__ = [
     "judge_piece",
     "jump_between",
     "measure_wheel",
+    "measure_wheel_on_rig",
+    "MAX_SKEW_S",
+    "SensorShare",
+    "Shot",
+    "TreadPoint",
+    "WheelPlace",
+    "each_shot",
+    "group_into_shots",
     "parse_miniprof",
     "parse_profile_csv",
     "parse_profile_text",

@@ -1,11 +1,13 @@
-"""Frames of a recording sorted into wheels, by time and by what they show."""
+"""Frames, or shots, of a recording sorted into wheels, by time and by what they show."""
 
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from operator import itemgetter
+from typing import TypeVar
 
-from measure.frame import MIN_STRIPE_POINTS
-from measure.wheel import WheelFrame
+from measure.shot import Shot, WheelFrame
+
+Seen = TypeVar("Seen", WheelFrame, Shot)
 
 MAX_GAP_S = 0.04
 """Frames farther apart belong to different wheels: at 53 frames a second two missing frames end a
@@ -17,21 +19,21 @@ of it tell nothing new."""
 
 
 def group_into_wheels(
-    frames: Iterable[WheelFrame], *, max_gap_s: float = MAX_GAP_S
-) -> tuple[tuple[WheelFrame, ...], ...]:
+    frames: Iterable[Seen], *, max_gap_s: float = MAX_GAP_S
+) -> tuple[tuple[Seen, ...], ...]:
     """Sort frames into wheels; see `each_wheel`."""
     return tuple(each_wheel(frames, max_gap_s=max_gap_s))
 
 
 def each_wheel(
-    frames: Iterable[WheelFrame], *, max_gap_s: float = MAX_GAP_S
-) -> Iterator[tuple[WheelFrame, ...]]:
+    frames: Iterable[Seen], *, max_gap_s: float = MAX_GAP_S
+) -> Iterator[tuple[Seen, ...]]:
     """Yield the frames of one wheel after another, with those of one in memory.
 
     Parameters
     ----------
     frames
-        In the order they were taken.
+        In the order they were taken; or shots of a rig, in that order.
     max_gap_s
         Greatest time between frames of one wheel.
 
@@ -54,10 +56,10 @@ def each_wheel(
         yield from _wheels_of_series(frame for _, frame in numbered)
 
 
-def _wheels_of_series(series: Iterable[WheelFrame]) -> Iterator[tuple[WheelFrame, ...]]:
+def _wheels_of_series(series: Iterable[Seen]) -> Iterator[tuple[Seen, ...]]:
     shown = False
-    dark: tuple[WheelFrame, ...] = ()
-    for present, run in groupby(series, key=_shows_something):
+    dark: tuple[Seen, ...] = ()
+    for present, run in groupby(series, key=lambda frame: frame.shows_something):
         if present:
             shown = True
             yield _thinned(run)
@@ -67,8 +69,8 @@ def _wheels_of_series(series: Iterable[WheelFrame]) -> Iterator[tuple[WheelFrame
         yield dark
 
 
-def _thinned(run: Iterable[WheelFrame]) -> tuple[WheelFrame, ...]:
-    kept: list[WheelFrame] = []
+def _thinned(run: Iterable[Seen]) -> tuple[Seen, ...]:
+    kept: list[Seen] = []
     step = 1
     for place, frame in enumerate(run):
         if place % step == 0:
@@ -78,7 +80,7 @@ def _thinned(run: Iterable[WheelFrame]) -> tuple[WheelFrame, ...]:
     return tuple(kept)
 
 
-def _by_series(frames: Iterable[WheelFrame], max_gap_s: float) -> Iterator[tuple[int, WheelFrame]]:
+def _by_series(frames: Iterable[Seen], max_gap_s: float) -> Iterator[tuple[int, Seen]]:
     """Give each frame the number of its series, which a late one or another source begins."""
     number, before = 0, None
     for frame in frames:
@@ -88,11 +90,7 @@ def _by_series(frames: Iterable[WheelFrame], max_gap_s: float) -> Iterator[tuple
         before = frame
 
 
-def _follows(before: WheelFrame, after: WheelFrame, max_gap_s: float) -> bool:
-    if before.time_ns is None or after.time_ns is None or before.source != after.source:
+def _follows(before: Seen, after: Seen, max_gap_s: float) -> bool:
+    if before.time_ns is None or after.time_ns is None or not after.goes_on_from(before):
         return False
     return 0 <= after.time_ns - before.time_ns <= max_gap_s * 1e9
-
-
-def _shows_something(frame: WheelFrame) -> bool:
-    return len(frame.stripe) >= MIN_STRIPE_POINTS

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import FloatArray, frozen
+from calib import FloatArray, IntArray, frozen, read_only
 from measure.gauging.levels import TAPE_D_MM
 from measure.quantities import Quantity
 from measure.reference import ReferenceProfile
@@ -22,6 +22,8 @@ class Profile:
         Shape (N,), height; of a measured wheel over the nominal tread, aligned at the tip.
     sigma_mm
         Shape (N,), standard deviation across the profile; zero where it is not known.
+    seen_by
+        Shape (N,): bit k is set where sensor k of the rig has points; None where one saw all.
 
     Raises
     ------
@@ -32,12 +34,18 @@ class Profile:
     d_mm: FloatArray
     h_mm: FloatArray
     sigma_mm: FloatArray
+    seen_by: IntArray | None = None
 
     def __post_init__(self) -> None:
         for name in ("d_mm", "h_mm", "sigma_mm"):
             object.__setattr__(self, name, frozen(getattr(self, name), (len(self.d_mm),), name))
         if not (self.sigma_mm >= 0.0).all():
             raise ValueError(f"sigma_mm must not be negative, got {self.sigma_mm.min()}")
+        if self.seen_by is not None:
+            seen_by = read_only(np.asarray(self.seen_by, dtype=np.int64))
+            if seen_by.shape != (len(self),):
+                raise ValueError(f"seen_by must have shape ({len(self)},), got {seen_by.shape}")
+            object.__setattr__(self, "seen_by", seen_by)
 
     def __len__(self) -> int:
         return len(self.d_mm)
@@ -53,7 +61,7 @@ class Profile:
         The tip does not wear: what is then missing below the reference is wear.
         """
         rise = reference.nominal[Quantity.FLANGE_HEIGHT] - tip_mm
-        return Profile(self.d_mm, self.h_mm + rise, self.sigma_mm)
+        return Profile(self.d_mm, self.h_mm + rise, self.sigma_mm, self.seen_by)
 
     def wear_mm(self, reference: ReferenceProfile) -> FloatArray:
         """Return reference minus height from the tip to the field side, aligned as the profile is.

@@ -1,30 +1,48 @@
 """A wheel from the pictures of it: readings with uncertainty, status and alarm."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
 
-from calib import Cause, LaserSensor, StripePoints
-from measure.frame import FrameReadings, Value, measure_frame
+from calib import Cause, FloatArray, LaserSensor, Rig, RigidTransform
 from measure.gauging.uncertainty import COVERAGE_FACTOR, PICTURE_FLOOR_MM
 from measure.laying.by_axle import Unmeasured
 from measure.limits import Limits
-from measure.mounting import Mounting
+from measure.merging.merged import Merged
+from measure.mounting import Mounting, Survey
+from measure.place import WheelPlace
 from measure.profile import Profile
 from measure.quantities import Quantity, Reading, Status
+from measure.reading import ShotReadings, Value, read_shot
 from measure.reference import ReferenceProfile
+from measure.shot import Shot, WheelFrame
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class WheelFrame:
-    """The stripe of one picture, and which picture it was."""
+@dataclass(frozen=True, slots=True)
+class SensorShare:
+    """What one sensor of a rig contributed to the shot that carried most weight.
 
-    stripe: StripePoints
-    frame: int
-    source: str
-    time_ns: int | None = None
+    Attributes
+    ----------
+    points
+        Its points used.
+    reason
+        Why there are none; None where there are.
+    aside_mm
+        By how much its section lay aside from the first sensor's, along the axle and the radius,
+        and was put in place so far as it had to be; None of the first, and where both see nothing
+        in common.
+    sigma_aside_mm
+        Standard deviation of that, of the points' scatter.
+    """
+
+    points: int
+    reason: str | None = None
+    aside_mm: tuple[float, float] | None = None
+    sigma_aside_mm: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,6 +69,10 @@ class WheelQuality:
         Where the greatest tread wear is.
     unmeasured
         Frames that gave no reading, and why.
+    sensors
+        Names of the rig's sensors, in the order of the bits of `Profile.seen_by`.
+    by_sensor
+        What each contributed.
     """
 
     frames: tuple[int, ...] = ()
@@ -63,6 +85,8 @@ class WheelQuality:
     sheet_yaw_deg: float | None = None
     wear_max_at_d_mm: float | None = None
     unmeasured: Mapping[int, str] = field(default_factory=dict)
+    sensors: tuple[str, ...] = ()
+    by_sensor: Mapping[str, SensorShare] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,12 +103,15 @@ class WheelReadings:
         What stands behind it.
     reason
         Why nothing could be measured; None where something was.
+    places
+        Where it stood, at each shot that gave readings.
     """
 
     readings: Mapping[Quantity, Reading]
     profile: Profile | None
     quality: WheelQuality
     reason: str | None
+    places: tuple[WheelPlace, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", MappingProxyType(dict(self.readings)))
@@ -131,17 +158,68 @@ def measure_wheel(
     uncertainty; u95 is 1.96 times its root with a floor for the model. Several pictures are
     joined by generalised least squares, which knows which of these parts they share.
     """
+    rig_from_camera = RigidTransform.identity() if mounting is None else mounting.rig_from_camera
+    rig = Rig.of_one(sensor, rig_from_camera, frames[0].sensor if frames else "")
+    shots = [Shot((frame,)) for frame in frames]
+    return _measure(shots, rig, mounting, reference, limits, assume_back=assume_back)
+
+
+def measure_wheel_on_rig(
+    shots: Sequence[Shot],
+    rig: Rig,
+    survey: Survey,
+    reference: ReferenceProfile,
+    *,
+    limits: Limits | None = None,
+    assume_back: bool = False,
+) -> WheelReadings:
+    r"""Measure one wheel from the shots that the sensors of a rig took of it.
+
+    Parameters
+    ----------
+    shots
+        In which it is seen; one suffices. A shot may lack sensors: what the others can say is said.
+    rig
+        The sensors in one frame, with the covariance of all together.
+    survey
+        What is known of the installation and the wheels that pass.
+    reference, limits, assume_back
+        As of `measure_wheel`.
+
+    Returns
+    -------
+    WheelReadings
+        As of `measure_wheel`; its frames are those of the first sensor in each shot.
+
+    Notes
+    -----
+    All sensors see one wheel on one axle. Where two see the same steel (flange tip, tread) the
+    points of both must agree: what sensors vibrated against each other between their exposures is
+    taken out so far as it shows above noise, rig and calibrations, and the same comparison tells
+    how much of all these is left (`measure.merging.align.learn`). Points of several sensors at
+    one place are then fused by their sigmas.
+    """
+    return _measure(shots, rig, survey, reference, limits, assume_back=assume_back)
+
+
+def _measure(
+    shots: Sequence[Shot],
+    rig: Rig,
+    survey: Survey | None,
+    reference: ReferenceProfile,
+    limits: Limits | None,
+    *,
+    assume_back: bool,
+) -> WheelReadings:
     limits = limits if limits is not None else Limits.default()
     outcomes = {
-        frame.frame: measure_frame(
-            frame.stripe, sensor, reference, mounting, assume_back=assume_back
-        )
-        for frame in frames
+        shot.frames[0].frame: read_shot(shot, rig, survey, reference, assume_back=assume_back)
+        for shot in shots
     }
-    seen = {n: out for n, out in outcomes.items() if isinstance(out, FrameReadings)}
+    seen = {n: out for n, out in outcomes.items() if isinstance(out, ShotReadings)}
     unmeasured = {n: out.reason for n, out in outcomes.items() if isinstance(out, Unmeasured)}
     if not seen:
-        return _nothing(frames, unmeasured)
+        return _nothing(shots, unmeasured)
     best = min(seen, key=lambda number: _doubt(seen[number]))
     joined = {quantity: _join(quantity, list(seen.values()), reference) for quantity in Quantity}
     readings = {
@@ -150,16 +228,22 @@ def measure_wheel(
     }
     return WheelReadings(
         readings=readings,
-        profile=_profile(seen[best], reference),
-        quality=_quality(seen, best, unmeasured),
+        profile=_profile(seen[best], rig, reference),
+        quality=_quality(seen, best, unmeasured, rig),
         reason=None,
+        places=tuple(shot.place for shot in seen.values()),
     )
 
 
-def _nothing(frames: Sequence[WheelFrame], unmeasured: Mapping[int, str]) -> WheelReadings:
-    # The frame with most points had the best chance: its reason says most.
-    fullest = max(frames, key=lambda frame: len(frame.stripe), default=None)
-    reason = unmeasured[fullest.frame] if fullest is not None else "no picture of this wheel"
+def _nothing(shots: Sequence[Shot], unmeasured: Mapping[int, str]) -> WheelReadings:
+    # The shot with most points had the best chance: its reason says most.
+    def points(shot: Shot) -> int:
+        return sum(len(frame.stripe) for frame in shot.frames)
+
+    fullest = max(shots, key=points, default=None)
+    reason = "no picture of this wheel"
+    if fullest is not None:
+        reason = unmeasured[fullest.frames[0].frame]
     return WheelReadings(
         readings={quantity: Reading.missing() for quantity in Quantity},
         profile=None,
@@ -168,13 +252,13 @@ def _nothing(frames: Sequence[WheelFrame], unmeasured: Mapping[int, str]) -> Whe
     )
 
 
-def _doubt(frame: FrameReadings) -> tuple[int, float]:
+def _doubt(frame: ShotReadings) -> tuple[int, float]:
     wear = frame.values.get(Quantity.TREAD_WEAR)
     return -len(frame.values), wear.budget.sigma_mm if wear is not None else float("inf")
 
 
 def _join(
-    quantity: Quantity, frames: Sequence[FrameReadings], reference: ReferenceProfile
+    quantity: Quantity, frames: Sequence[ShotReadings], reference: ReferenceProfile
 ) -> tuple[float, float, Status] | None:
     """Join the values of several pictures: value, u95, status."""
     values = [frame.values[quantity] for frame in frames if quantity in frame.values]
@@ -205,27 +289,53 @@ def _reading(
     return Reading(value, u95, status, limits.judge(quantity, value, u95))
 
 
-def _profile(frame: FrameReadings, reference: ReferenceProfile) -> Profile:
-    nodes, sigma = frame.curve.nodes_sigma()
+def _profile(shot: ShotReadings, rig: Rig, reference: ReferenceProfile) -> Profile:
+    nodes, sigma = shot.curve.nodes_sigma()
     nominal = reference.nominal[Quantity.FLANGE_HEIGHT]
-    return Profile(nodes[:, 0] - frame.back_mm, nodes[:, 1] - frame.tip_mm + nominal, sigma)
+    seen_by = None
+    if len(rig.sensors) > 1:
+        of_part = [1 << rig.names.index(part.sensor.name) for part in shot.merged.parts]
+        seen_by = shot.curve.nodes_seen_by(np.array(of_part)[shot.merged.part])
+    return Profile(nodes[:, 0] - shot.back_mm, nodes[:, 1] - shot.tip_mm + nominal, sigma, seen_by)
 
 
 def _quality(
-    seen: Mapping[int, FrameReadings], best: int, unmeasured: Mapping[int, str]
+    seen: Mapping[int, ShotReadings], best: int, unmeasured: Mapping[int, str], rig: Rig
 ) -> WheelQuality:
     chosen = seen[best]
-    laid = chosen.laid
-    yaw = laid.sheet_yaw_rad
+    merged, first = chosen.merged, chosen.merged.first
+    yaw = first.sheet_yaw_rad
+    left_out = Counter[Cause]()
+    for part in merged.parts:
+        left_out.update(part.left_out)
     return WheelQuality(
         frames=tuple(seen),
         best_frame=best,
-        points=len(laid.along_mm),
-        left_out=laid.left_out,
+        points=len(merged.along_mm),
+        left_out=dict(left_out),
         coverage=chosen.coverage,
-        speckle_share=laid.noise.speckle_share,
-        axle_offset_mm=laid.axle_offset_mm,
+        speckle_share=first.noise.speckle_share,
+        axle_offset_mm=first.axle_offset_mm,
         sheet_yaw_deg=float(np.degrees(yaw)) if yaw is not None else None,
         wear_max_at_d_mm=chosen.wear_max_at_d_mm,
         unmeasured=unmeasured,
+        sensors=rig.names,
+        by_sensor=_shares(merged),
     )
+
+
+def _shares(merged: Merged) -> dict[str, SensorShare]:
+    shares = {name: SensorShare(0, reason) for name, reason in merged.silent.items()}
+    for part in merged.parts:
+        name = part.sensor.name
+        found = merged.aside.get(name)
+        shares[name] = SensorShare(
+            points=len(part.along_mm),
+            aside_mm=None if found is None else _pair(found.shift_mm),
+            sigma_aside_mm=None if found is None else _pair(found.sigma_mm),
+        )
+    return shares
+
+
+def _pair(values: FloatArray) -> tuple[float, float]:
+    return float(values[0]), float(values[1])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import FloatArray
+from calib import FloatArray, IntArray
 from measure.gauging.estimate import Estimate
 from measure.gauging.localfit import LocalFit
 from measure.quantities import Status
@@ -64,6 +64,12 @@ class Curve:
     def nodes_sigma(self) -> tuple[FloatArray, FloatArray]:
         """Return the nodes and their standard deviation, shapes (M, 2) and (M,)."""
         return _bin_means(self.points_mm, self.along_mm, 1.0 / self.sigma_mm**2)
+
+    def nodes_seen_by(self, bits: IntArray) -> IntArray:
+        """Return which bits, shape (N,) of the points, occur in each node, shape (M,)."""
+        bins = _bins(self.along_mm)
+        starts = np.flatnonzero(np.diff(bins, prepend=-1))
+        return np.bitwise_or.reduceat(bits, starts)
 
     def fit(self, place_mm: FloatArray, scale: float = 1.0) -> LocalFit | None:
         """Fit the piece around a place; the window halves where the profile bends too sharply.
@@ -157,8 +163,13 @@ class Curve:
 def _bin_means(
     points_mm: FloatArray, along_mm: FloatArray, weight: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    place = np.floor((along_mm - along_mm[0]) / _BIN_MM).astype(np.int64)
-    _, bins = np.unique(place, return_inverse=True)
+    bins = _bins(along_mm)
     total = np.bincount(bins, weight)
     mean = [np.bincount(bins, weight * column) / total for column in points_mm.T]
     return np.column_stack(mean), 1.0 / np.sqrt(total)
+
+
+def _bins(along_mm: FloatArray) -> IntArray:
+    """Return the number of the bin of each point, without gaps, shape (N,)."""
+    place = np.floor((along_mm - along_mm[0]) / _BIN_MM).astype(np.int64)
+    return np.asarray(np.unique(place, return_inverse=True)[1])

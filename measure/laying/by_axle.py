@@ -1,16 +1,19 @@
-"""A stripe laid over the reference by the survey of the installation: which points, and where."""
+"""Stripes laid over the reference by the survey of the installation: which points, and where.
 
-from collections.abc import Mapping
+The sensors of a rig lay theirs together: they see one wheel on one axle.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from calib import Cause, FloatArray, LaserSensor
+from calib import Cause, FloatArray, IntArray, Rig, RigSensor
 from measure.keeping.cleaning import Kept, keep_wheel
 from measure.keeping.noise import Noise
 from measure.laying.axle import Axle, solve_axle
 from measure.laying.section import AxleMap, Section, SheetPoints, radial_place_mm
-from measure.mounting import Mounting
+from measure.mounting import Survey
 from measure.placing.flange import NARROWEST_RIM_MM, WHEELS_APART_MM, Voters, find_flanges
 from measure.placing.registration import best_shift, refine_shift, tip_misfit_mm
 from measure.placing.template import Template
@@ -20,6 +23,9 @@ MIN_WHEEL_POINTS = 60
 MOST_TIP_MISFIT_MM = 0.5
 _MIN_TREAD_POINTS = 20
 _TREAD_HALF_MM = 12.0
+# Flanges farther apart than a gross error of the rig and this many sigmas of vibration are not one.
+_SAME_FLANGE_MM = 2.0
+_SAME_FLANGE_SIGMAS = 5.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,10 +37,12 @@ class Unmeasured:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Laid:
-    """The points of one wheel, in order, laid over the reference.
+    """The points of one wheel on one sheet, in order, laid over the reference.
 
     Attributes
     ----------
+    sensor
+        Which sensor's.
     sheet, section
         The points kept, from the flange back to the field side.
     shift_mm
@@ -47,11 +55,17 @@ class Laid:
         How many points of the picture were left out for which cause.
     once_mm, shared_mm
         Shape (N, 2, P), (N, 2, Q): what the installation lets the points do, one sigma each,
-        afresh in every picture and the same in all.
+        afresh in every picture and the same in all. The columns are the same of all sensors.
+    by_vibration_mm
+        Shape (N, 2) for each sensor by whose tread the axle was found, where there are several:
+        what the points do where that sensor has moved by one sigma along the radius.
+    tread
+        Where the sheet meets the tape circle; None where that hides, or no axle is known.
     axle_offset_mm, sheet_yaw_rad
         How oblique the cut is; None where the axle is not known.
     """
 
+    sensor: RigSensor
     sheet: SheetPoints
     section: Section
     shift_mm: FloatArray
@@ -60,51 +74,156 @@ class Laid:
     left_out: Mapping[Cause, int]
     once_mm: FloatArray
     shared_mm: FloatArray
+    by_vibration_mm: Mapping[str, FloatArray]
+    tread: "TreadSpot | None"
     axle_offset_mm: float | None
     sheet_yaw_rad: float | None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Laying:
+    """The stripes of one shot on the reference.
+
+    Attributes
+    ----------
+    parts
+        Of each sensor that shows the wheel; the first is the one that shows most of it.
+    silent
+        Why the others show nothing, by name.
+    """
+
+    parts: tuple[Laid, ...]
+    silent: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TreadSpot:
+    """Where a sheet meets the tape circle: a weighted mean of points near it.
+
+    Attributes
+    ----------
+    in_rig_mm, outward
+        Shape (2,), (x, z): the place, and the direction from the axle to it.
+    index, weight
+        Shape (K,): which points of the sheet, and their share in the mean.
+    """
+
+    in_rig_mm: FloatArray
+    outward: FloatArray
+    index: IntArray
+    weight: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """A wheel on one sheet, laid by a guess of the axle."""
+
+    sensor: RigSensor
+    sheet: SheetPoints
+    section: Section
+    shift_mm: FloatArray
+    kept: Kept
+    tread: TreadSpot | None
+
+
 def lay_by_axle(
-    sheet: SheetPoints, sensor: LaserSensor, mounting: Mounting, template: Template
-) -> Laid | Unmeasured:
-    """Lay a stripe over the reference with the survey's directions and the axle it shows."""
-    radial_x = radial_place_mm(sensor, mounting, sheet.points_in_cam_mm)
-    axle = Axle.exact(radial_x, mounting.wheel_radius_mm)
-    section = Section.of(sheet, axle.map(mounting))
+    sheets: Mapping[str, SheetPoints], rig: Rig, survey: Survey, template: Template
+) -> Laying | Unmeasured:
+    """Lay stripes over the reference with the survey's directions and the axle they show.
+
+    Parameters
+    ----------
+    sheets
+        The points of each sensor that took a picture, by name; one or more.
+    rig
+        Where the sensors stand.
+    survey
+        What is known of the wheels that pass.
+    template
+        The reference.
+    """
+    radial_x = float(
+        np.mean([
+            radial_place_mm(rig[name], survey, sheet.points_in_cam_mm)
+            for name, sheet in sheets.items()
+        ])
+    )
+    guess = Axle.exact(radial_x, survey.wheel_radius_mm)
+    silent, found = dict[str, str](), list[_Found]()
+    for name, sheet in sheets.items():
+        wheel = _find(rig[name], sheet, guess, template)
+        if isinstance(wheel, Unmeasured):
+            silent[name] = wheel.reason
+        else:
+            found.append(wheel)
+    if not found:
+        fullest = max(sheets, key=lambda name: len(sheets[name]))
+        return Unmeasured(silent[fullest])
+    treads = {w.sensor.name: w.tread.in_rig_mm for w in found if w.tread is not None}
+    if not treads:
+        return Unmeasured(
+            "half a wheel: the tread at the tape circle is not seen; look at the field of view, "
+            "and for glare"
+        )
+    # Once: which points lie beside the tape circle is lateral, and no axle changes that.
+    axle = solve_axle(np.array(list(treads.values())), survey, radial_x)
+    laid = [_laid(wheel, axle, list(treads), survey, template) for wheel in found]
+    laid.sort(key=lambda part: -len(np.unique(np.floor(part.along_mm))))
+    reach = _SAME_FLANGE_MM + _SAME_FLANGE_SIGMAS * survey.sigma_vibration_mm
+    parts = [laid[0]]
+    for part in laid[1:]:
+        apart = float(np.hypot(*(part.shift_mm - laid[0].shift_mm)))
+        if apart <= reach:
+            parts.append(part)
+        else:
+            silent[part.sensor.name] = (
+                f"its flange is {apart:.1f} mm from where sensor {laid[0].sensor.name} sees it, "
+                f"{reach:.1f} at most: check the rig, and that both were triggered together"
+            )
+    return Laying(tuple(parts), silent)
+
+
+def _find(
+    sensor: RigSensor, sheet: SheetPoints, guess: Axle, template: Template
+) -> _Found | Unmeasured:
+    section_map = guess.map(sensor.rig_from_camera)
+    section = Section.of(sheet, section_map)
     shift = place_of_flange(section, sheet, template)
     if isinstance(shift, Unmeasured):
         return shift
     kept = keep(section, sheet, shift, template)
     if isinstance(kept, Unmeasured):
         return kept
-    wheel = sheet.select(kept.index).unbent(sensor)
-    section = Section.of(wheel, axle.map(mounting))
-    tread = _tread_in_rig(wheel, section, shift, mounting)
-    if tread is None:
-        return Unmeasured(
-            "half a wheel: the tread at the tape circle is not seen; look at the field of view, "
-            "and for glare"
-        )
-    # Once: which points lie beside the tape circle is lateral, and no axle changes that.
-    axle = solve_axle(tread, mounting, radial_x)
-    before, section = section, Section.of(wheel, axle.map(mounting))
-    # A new axle moves all radii at once, by far more than a refinement reaches.
-    moved = np.median(section.points_mm - before.points_mm, axis=0)
-    shift = refine_shift(section.points_mm, shift + moved, template)
-    section_map = axle.map(mounting)
+    wheel = sheet.select(kept.index).unbent(sensor.sensor)
+    section = Section.of(wheel, section_map)
     outward = section_map.outward_in_rig(wheel.points_in_cam_mm)[:, [0, 2]]
-    once, held = _axle_motions(outward, axle)
-    tilts = _tilt_motions(outward, section.points_mm - shift, mounting)
-    offset, yaw = _obliqueness(sensor, section_map, wheel)
+    tread = _tread_in_rig(sensor, wheel, section, shift, outward)
+    return _Found(sensor, wheel, section, shift, kept, tread)
+
+
+def _laid(found: _Found, axle: Axle, by: Sequence[str], survey: Survey, template: Template) -> Laid:
+    """Lay a wheel again, by the axle itself, which some sensors' treads have shown."""
+    section_map = axle.map(found.sensor.rig_from_camera)
+    section = Section.of(found.sheet, section_map)
+    # A new axle moves all radii at once, by far more than a refinement reaches.
+    moved = np.median(section.points_mm - found.section.points_mm, axis=0)
+    shift = refine_shift(section.points_mm, found.shift_mm + moved, template)
+    outward = section_map.outward_in_rig(found.sheet.points_in_cam_mm)[:, [0, 2]]
+    vibrations = _radially(-outward @ axle.by_vibration_mm)
+    tilts = _tilt_motions(outward, section.points_mm - shift, survey)
+    offset, yaw = _obliqueness(found.sensor, section_map, found.sheet)
     return Laid(
-        sheet=wheel,
+        sensor=found.sensor,
+        sheet=found.sheet,
         section=section,
         shift_mm=shift,
-        along_mm=kept.along_mm,
-        noise=kept.noise,
-        left_out=kept.left_out,
-        once_mm=once,
-        shared_mm=np.concatenate([held, tilts], axis=2),
+        along_mm=found.kept.along_mm,
+        noise=found.kept.noise,
+        left_out=found.kept.left_out,
+        once_mm=_radially(-outward @ axle.by_place_mm[:, None]),
+        shared_mm=np.concatenate([_held(outward, axle), tilts], axis=2),
+        by_vibration_mm=dict(zip(by, np.moveaxis(vibrations, 2, 0), strict=False)),
+        tread=found.tread,
         axle_offset_mm=offset,
         sheet_yaw_rad=yaw,
     )
@@ -163,26 +282,31 @@ def out_of_form(section: Section, shift_mm: FloatArray, template: Template) -> U
 
 
 def _tread_in_rig(
-    wheel: SheetPoints, section: Section, shift_mm: FloatArray, mounting: Mounting
-) -> FloatArray | None:
-    """Return (x, z) in the rig where the sheet meets the tape circle, or None if that hides."""
+    sensor: RigSensor,
+    wheel: SheetPoints,
+    section: Section,
+    shift_mm: FloatArray,
+    outward: FloatArray,
+) -> TreadSpot | None:
+    """Return where in the rig the sheet meets the tape circle, or None if that hides."""
     y = section.points_mm[:, 0] - shift_mm[0]
-    near = np.abs(y) < _TREAD_HALF_MM
-    if near.sum() < _MIN_TREAD_POINTS or not (y[near].min() < 0.0 < y[near].max()):
+    near = np.flatnonzero(np.abs(y) < _TREAD_HALF_MM)
+    if len(near) < _MIN_TREAD_POINTS or not (y[near].min() < 0.0 < y[near].max()):
         return None
-    in_rig = mounting.rig_from_camera.apply(wheel.points_in_cam_mm[near])
-    weight = 1.0 / section.sigma_mm[near]
-    return np.array([np.polyfit(y[near], in_rig[:, axis], 1, w=weight)[1] for axis in (0, 2)])
+    # The constant of a straight line through the points is a weighted sum of them.
+    certainty = 1.0 / section.sigma_mm[near] ** 2
+    design = np.column_stack([np.ones(len(near)), y[near]])
+    weight = np.linalg.solve((design.T * certainty) @ design, design.T * certainty)[0]
+    in_rig = sensor.rig_from_camera.apply(wheel.points_in_cam_mm[near])
+    return TreadSpot(weight @ in_rig[:, [0, 2]], weight @ outward[near], near, weight)
 
 
-def _axle_motions(outward: FloatArray, axle: Axle) -> tuple[FloatArray, FloatArray]:
-    """Return what doubt of the axle lets the points do: afresh, and alike in all pictures.
+def _held(outward: FloatArray, axle: Axle) -> FloatArray:
+    """Return what doubt of the axle lets the points do alike in all pictures.
 
     Over the 0.1 s that a wheel is in view its radius, the rail and the load on it stay as they are.
     """
-    afresh = -outward @ axle.by_place_mm[:, None]
-    alike = -outward @ np.column_stack([axle.by_radius_mm, axle.by_height_mm])
-    return _radially(afresh), _radially(alike)
+    return _radially(-outward @ np.column_stack([axle.by_radius_mm, axle.by_height_mm]))
 
 
 def _radially(motion_mm: FloatArray) -> FloatArray:
@@ -190,17 +314,17 @@ def _radially(motion_mm: FloatArray) -> FloatArray:
     return np.stack([np.zeros_like(motion_mm), motion_mm], axis=1)
 
 
-def _tilt_motions(outward: FloatArray, places_mm: FloatArray, mounting: Mounting) -> FloatArray:
+def _tilt_motions(outward: FloatArray, places_mm: FloatArray, survey: Survey) -> FloatArray:
     """Turn the section about the tape circle, as an axle that is not along rig y does."""
     y, z = places_mm.T
-    tilts = outward * mounting.sigma_axle_direction_rad
+    tilts = outward * survey.sigma_axle_direction_rad
     return np.stack([z[:, None] * tilts, -y[:, None] * tilts], axis=1)
 
 
 def _obliqueness(
-    sensor: LaserSensor, section_map: AxleMap, sheet: SheetPoints
+    sensor: RigSensor, section_map: AxleMap, sheet: SheetPoints
 ) -> tuple[float, float]:
-    normal = section_map.rig_from_camera.rotation @ sensor.plane.normal_in_cam
-    middle = np.median(section_map.rig_from_camera.apply(sheet.points_in_cam_mm), axis=0)
+    normal = sensor.rig_from_camera.rotation @ sensor.sensor.plane.normal_in_cam
+    middle = np.median(sensor.rig_from_camera.apply(sheet.points_in_cam_mm), axis=0)
     axle = np.array([section_map.axle_x_mm, middle[1], section_map.axle_z_mm])
     return abs(float(normal @ (axle - middle))), float(np.arcsin(abs(normal[1])))

@@ -8,8 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import FloatArray, LaserSensor
-from measure.laying.by_axle import Laid, Unmeasured, keep, out_of_form, place_of_flange
+from calib import FloatArray, LaserSensor, RigSensor
+from measure.laying.by_axle import (
+    Laid,
+    Laying,
+    Unmeasured,
+    keep,
+    out_of_form,
+    place_of_flange,
+)
 from measure.laying.section import Section, SheetMap, SheetPoints
 from measure.placing.flange import Voters, find_flanges
 from measure.placing.template import Template
@@ -41,8 +48,9 @@ class _Lie:
         return SheetMap.in_plane(sensor.plane, self.angle_rad, mirrored=self.mirrored)
 
 
-def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) -> Laid | Unmeasured:
-    """Lay a stripe over the reference by the shape of the flange."""
+def lay_by_shape(sheet: SheetPoints, of: RigSensor, template: Template) -> Laying | Unmeasured:
+    """Lay the stripe of one sensor over the reference by the shape of the flange."""
+    sensor = of.sensor
     lie = _best_lie(sheet, sensor, template)
     if lie is None:
         return Unmeasured(
@@ -68,7 +76,8 @@ def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) ->
     y, z = (section.points_mm - shift).T
     turn = np.stack([z, -y], axis=1) * _SIGMA_ROTATION_RAD
     squeeze = np.stack([np.zeros_like(z), z], axis=1) * _SIGMA_HEIGHT_SCALE
-    return Laid(
+    laid = Laid(
+        sensor=of,
         sheet=wheel,
         section=section,
         shift_mm=shift,
@@ -77,9 +86,12 @@ def lay_by_shape(sheet: SheetPoints, sensor: LaserSensor, template: Template) ->
         left_out=kept.left_out,
         once_mm=squeeze[:, :, None],
         shared_mm=turn[:, :, None],
+        by_vibration_mm={},
+        tread=None,
         axle_offset_mm=None,
         sheet_yaw_rad=None,
     )
+    return Laying((laid,), {})
 
 
 def _best_lie(sheet: SheetPoints, sensor: LaserSensor, template: Template) -> _Lie | None:

@@ -11,11 +11,12 @@ from calib import (
     LaserSensor,
     LightPlane,
     RigidTransform,
+    RigSensor,
     StripePoints,
     frozen,
 )
 from measure.laying.bend import bend_px
-from measure.mounting import Mounting
+from measure.mounting import Survey
 
 
 class SectionMap(Protocol):
@@ -211,14 +212,14 @@ class Section:
         return cls(points, own, tangent, to_camera, np.maximum(sigma, 1e-6), jacobian)
 
 
-def radial_place_mm(sensor: LaserSensor, mounting: Mounting, points_in_cam_mm: FloatArray) -> float:
+def radial_place_mm(sensor: RigSensor, survey: Survey, points_in_cam_mm: FloatArray) -> float:
     """Return the rig x where an axle of nominal radius would lie in the sheet, beside the points.
 
     Where the sheet runs level and holds no such place, it is the x of the points themselves.
     """
-    rig = mounting.rig_from_camera
-    normal = rig.rotation @ sensor.plane.normal_in_cam
+    rig = sensor.rig_from_camera
+    normal = rig.rotation @ sensor.sensor.plane.normal_in_cam
     middle = np.median(rig.apply(points_in_cam_mm), axis=0)
     if abs(normal[0]) < 0.05:
         return float(middle[0])
-    return float(middle[0] - normal[2] / normal[0] * (mounting.wheel_radius_mm - middle[2]))
+    return float(middle[0] - normal[2] / normal[0] * (survey.wheel_radius_mm - middle[2]))

@@ -14,7 +14,7 @@ BELOW_MM = np.array([0.0, 0.0])
 
 def solved(tread_mm=TREAD_MM, *, radial_x_mm=0.0, radius_mm=420.0, **sigmas):
     mounting = ws.Mounting(RIG, wheel_radius_mm=radius_mm, **sigmas)
-    axle = solve_axle(tread_mm, mounting, radial_x_mm)
+    axle = solve_axle(tread_mm[None], mounting, radial_x_mm)
     return np.array([axle.x_mm, axle.z_mm]), axle
 
 

@@ -69,7 +69,7 @@ def test_axle_is_solved_from_the_tread_it_rolls_on(axle_x_mm, radius_mm):
     profile, in_cam = exact_section(wheel, sensor, rig)
     tread = rig.apply(in_cam)[np.argmin(np.abs(profile[:, 0]))][[0, 2]]
     mounting = ws.mounting_of(rig, sigma_radius_mm=10.0)
-    axle = solve_axle(tread, mounting, 0.0)
+    axle = solve_axle(tread[None], mounting, 0.0)
     # The tread lies on the found circle: that much one point can tell, held to 1 mm by the rail
     # and pulled by priors of 10 and 60 mm, three of whose sigmas here make 0.03 mm.
     place = np.hypot(*(tread - [axle.x_mm, axle.z_mm]))

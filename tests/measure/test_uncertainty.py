@@ -6,7 +6,7 @@ import wheel_stripes as ws
 
 from calib import CameraModel, LaserSensor, LightPlane
 from measure import Status, WheelFrame, measure_wheel, reference_profile
-from measure.frame import Value
+from measure.reading import Value
 from measure.gauging.uncertainty import Budget, whitened
 from measure.wheel import generalised_mean
 
@@ -75,7 +75,7 @@ def test_intervals_hold_the_truth_93_to_97_times_of_a_hundred(rng):
 def test_whitened_motions_make_up_the_covariance(rng):
     motion = rng.normal(size=(5, 2, 13))
     covariance = calibration_covariance()
-    parts = whitened(motion, covariance).reshape(10, 13)
+    parts = whitened(motion, covariance).reshape(10, -1)
     plain = motion.reshape(10, 13) @ covariance @ motion.reshape(10, 13).T
     np.testing.assert_allclose(parts @ parts.T, plain, rtol=1e-9, atol=1e-12)
 

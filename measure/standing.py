@@ -1,0 +1,64 @@
+"""Where a wheel stood when a shot was taken, off its merged profile."""
+
+import numpy as np
+
+from calib import Rig
+from measure.gauging.curve import Found
+from measure.gauging.uncertainty import root_of
+from measure.laying.by_axle import Laid
+from measure.merging.causes import motion_by_rig
+from measure.merging.merged import Merged
+from measure.mounting import Survey
+from measure.place import TreadPoint, WheelPlace
+from measure.quantities import Status
+
+
+def place_of(
+    time_ns: int | None, merged: Merged, back: Found, rig: Rig, survey: Survey | None
+) -> WheelPlace:
+    """Return where the wheel stood in the rig; without a survey that says nothing of a wheel.
+
+    Parameters
+    ----------
+    time_ns
+        When the shot was taken.
+    merged
+        The profile, and the sensors' parts of it.
+    back
+        The flange back in it.
+    rig, survey
+        The sensors, and what is known of the installation.
+    """
+    if survey is None:
+        return WheelPlace(time_ns, None, None, ())
+    seen = back.status is Status.OK
+    return WheelPlace(
+        time_ns=time_ns,
+        back_mm=back.estimate.value if seen else None,
+        back=merged.motions.budget(back.estimate, back.blind_mm) if seen else None,
+        treads=tuple(
+            point
+            for part in merged.parts
+            if (point := _tread_point(part, merged, rig, survey)) is not None
+        ),
+    )
+
+
+def _tread_point(part: Laid, merged: Merged, rig: Rig, survey: Survey) -> TreadPoint | None:
+    """Return where a sheet meets the tape circle, as its sensor alone places it."""
+    spot = part.tread
+    if spot is None:
+        return None
+    by_sensor = spot.weight @ motion_by_rig(part)[spot.index, 1]
+    by_rig = by_sensor @ root_of(rig.covariance)[rig.columns(part.sensor.name)]
+    # The causes of the rig come first; doubt of the axle moves radii, but no place.
+    radially = np.zeros(merged.motions.shared_mm.shape[2])
+    radially[: len(by_rig)] = by_rig
+    own = float(np.linalg.norm(spot.weight * part.noise.counting_mm[spot.index]))
+    vibration = survey.sigma_vibration_mm / np.sqrt(2.0) if len(merged.parts) > 1 else 0.0
+    return TreadPoint(
+        sensor=part.sensor.name,
+        place_mm=spot.in_rig_mm,
+        single_mm=float(np.hypot(own, vibration)),
+        shared_mm=spot.outward[:, None] * radially,
+    )
