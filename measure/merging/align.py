@@ -14,15 +14,21 @@ _HUBER_SIGMAS = 2.0
 _PLAUSIBLE_SIGMAS = 5.0
 
 
-def learn(overlaps: Sequence[Overlap], misfits_mm: Sequence[FloatArray]) -> Learnt:
+def learn(overlaps: Sequence[Overlap], before: Learnt | None) -> Learnt | None:
     r"""Return what is learnt of the causes from how far strands lie apart.
 
     Parameters
     ----------
     overlaps
         Of pairs of sensors.
-    misfits_mm
-        For each, shape (B,): how far apart the points lie as they were measured.
+    before
+        What was taken out of their points already: they then lie nearer the truth, on a curved
+        profile, but what there is to explain is how far apart they were measured.
+
+    Returns
+    -------
+    Learnt or None
+        None where no two sensors see the same.
 
     Notes
     -----
@@ -35,8 +41,12 @@ def learn(overlaps: Sequence[Overlap], misfits_mm: Sequence[FloatArray]) -> Lear
 
     Stretches that do not agree with the others (dirt, glare) lose weight, by Huber's rule.
     """
-    apart = np.concatenate(misfits_mm)
+    apart = np.concatenate([each.apart_mm for each in overlaps])
+    if not len(apart):
+        return None
     by_cause = np.concatenate([each.by_cause for each in overlaps])
+    if before is not None:
+        apart = apart + by_cause @ before.causes
     sigma = np.concatenate([each.sigma_mm for each in overlaps])
     variance = sigma**2
     gain = np.zeros((by_cause.shape[1], 0))

@@ -15,8 +15,6 @@ from measure.mounting import Survey
 from measure.placing.registration import refine_shift
 from measure.placing.template import Template
 
-_ROUNDS = 2
-
 
 @dataclass(frozen=True, slots=True)
 class Misplaced:
@@ -93,27 +91,26 @@ def merge(
     """
     if survey is None or len(laying.parts) == 1:
         return _of_one(laying, rig, survey, template)
-    shift = _common_shift([part.section.points_mm for part in laying.parts], laying, template)
+    motions = motions_of(laying.parts, rig, survey, template)
     strands = [
-        Strand(part.section.points_mm, part.noise.counting_mm, motions)
-        for part, motions in zip(
-            laying.parts, motions_of(laying.parts, rig, survey, template), strict=True
-        )
+        Strand(part.section.points_mm, part.noise.counting_mm, own)
+        for part, own in zip(laying.parts, motions, strict=True)
     ]
-    aside = _aside(strands, laying.parts, shift, template)
+    shift = laying.parts[0].shift_mm
+    overlaps = _overlaps(strands, shift, template)
+    aside = _aside(overlaps, laying.parts)
     misplaced = {name: one for name, one in aside.items() if not one.plausible}
     if misplaced:
         first = laying.parts[0].sensor.name
         return Misplaced({name: _why(one, first) for name, one in misplaced.items()})
-    learnt = None
-    points = [strand.points_mm for strand in strands]
-    for _ in range(_ROUNDS):
-        learnt = _learn(strands, points, learnt, shift, template)
-        if learnt is None:
-            break
-        points = [s.points_mm - s.motions.displaced_mm(learnt.causes) for s in strands]
-        shift = _common_shift(points, laying, template)
-    return replace(_joined(laying, strands, points, shift, learnt, template), aside=aside)
+    learnt = learn(overlaps, None)
+    if learnt is not None:
+        # Once more from where the points then are: the reference is curved.
+        nearer = _overlaps([strand.without(learnt) for strand in strands], shift, template)
+        learnt = learn(nearer, learnt)
+    if learnt is not None:
+        strands = [strand.without(learnt) for strand in strands]
+    return replace(_joined(laying, strands, learnt, template), aside=aside)
 
 
 def _of_one(laying: Laying, rig: Rig, survey: Survey | None, template: Template) -> Merged:
@@ -132,22 +129,18 @@ def _of_one(laying: Laying, rig: Rig, survey: Survey | None, template: Template)
     )
 
 
-def _common_shift(
-    points_mm: Sequence[FloatArray], laying: Laying, template: Template
-) -> FloatArray:
-    return refine_shift(np.concatenate(points_mm), laying.parts[0].shift_mm, template)
+def _overlaps(strands: Sequence[Strand], shift_mm: FloatArray, template: Template) -> list[Overlap]:
+    """Compare the first strand with each of the others."""
+    return [Overlap.of(strands[0], other, shift_mm, template) for other in strands[1:]]
 
 
-def _aside(
-    strands: Sequence[Strand], parts: Sequence[Laid], shift_mm: FloatArray, template: Template
-) -> dict[str, Displacement]:
-    """Return by how much each strand lies aside from the first; where that can be told."""
-    found = {}
-    for strand, part in zip(strands[1:], parts[1:], strict=True):
-        one = displacement(Overlap.of(strands[0], strand, shift_mm, template))
-        if one is not None:
-            found[part.sensor.name] = one
-    return found
+def _aside(overlaps: Sequence[Overlap], parts: Sequence[Laid]) -> dict[str, Displacement]:
+    """Return by how much each part lies aside from the first; where that can be told."""
+    found = {
+        part.sensor.name: displacement(overlap)
+        for part, overlap in zip(parts[1:], overlaps, strict=True)
+    }
+    return {name: one for name, one in found.items() if one is not None}
 
 
 def _why(one: Displacement, first: str) -> str:
@@ -159,37 +152,12 @@ def _why(one: Displacement, first: str) -> str:
     )
 
 
-def _learn(
-    strands: Sequence[Strand],
-    points_mm: Sequence[FloatArray],
-    before: Learnt | None,
-    shift_mm: FloatArray,
-    template: Template,
-) -> Learnt | None:
-    """Learn from all pairs with the first strand; None where no two overlap.
-
-    Where points were moved already, the misfit is that of the points as they were measured, but
-    at places that are nearer the truth: the reference is curved.
-    """
-    now = [replace(s, points_mm=p) for s, p in zip(strands, points_mm, strict=True)]
-    overlaps = [Overlap.of(now[0], other, shift_mm, template) for other in now[1:]]
-    overlaps = [overlap for overlap in overlaps if len(overlap)]
-    if not overlaps:
-        return None
-    taken_out = np.zeros(overlaps[0].by_cause.shape[1]) if before is None else before.causes
-    return learn(overlaps, [each.apart_mm + each.by_cause @ taken_out for each in overlaps])
-
-
 def _joined(
-    laying: Laying,
-    strands: Sequence[Strand],
-    points_mm: Sequence[FloatArray],
-    shift_mm: FloatArray,
-    learnt: Learnt | None,
-    template: Template,
+    laying: Laying, strands: Sequence[Strand], learnt: Learnt | None, template: Template
 ) -> Merged:
-    points = np.concatenate(points_mm)
-    along = template.place(points - shift_mm)[0]
+    points = np.concatenate([strand.points_mm for strand in strands])
+    shift = refine_shift(points, laying.parts[0].shift_mm, template)
+    along = template.place(points - shift)[0]
     order = np.argsort(along, kind="stable")
     motions = Motions.concatenated([strand.motions for strand in strands]).select(order)
     return Merged(
@@ -199,7 +167,7 @@ def _joined(
         along_mm=along[order],
         sigma_mm=np.concatenate([strand.sigma_mm for strand in strands])[order],
         part=np.repeat(np.arange(len(strands)), [len(s.points_mm) for s in strands])[order],
-        shift_mm=shift_mm,
+        shift_mm=shift,
         motions=replace(motions, learnt=learnt),
         aside={},
     )

@@ -1,12 +1,12 @@
 """Where two sensors see the same steel: how far apart they place it, and what could explain it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from calib import BoolArray, FloatArray, IntArray
-from measure.gauging.uncertainty import Motions
+from measure.gauging.uncertainty import Learnt, Motions
 from measure.placing.template import Template
 
 _STRETCH_MM = 1.5
@@ -32,6 +32,11 @@ class Strand:
     points_mm: FloatArray
     sigma_mm: FloatArray
     motions: Motions
+
+    def without(self, learnt: Learnt) -> "Strand":
+        """Return the strand with what was learnt taken out of its points."""
+        displaced = self.motions.displaced_mm(learnt.causes)
+        return replace(self, points_mm=self.points_mm - displaced)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,6 +7,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from calib import BoolArray, Cause, FloatArray, LaserSensor, RigidTransform, StripePoints, kernel_of
 from station.scenes import WheelTruth, projector_in_cam_mm
+from station.scenes.revolution import Revolution
 
 _SPACING_PX = 1.0
 _EVEN_PX = 0.25
@@ -116,6 +117,9 @@ class PlacedWheel:
         surface = np.column_stack([spread[:, 0], lateral, spread[:, 1]])
         laser = self.rig_from_camera.apply(projector_in_cam_mm(self.sensor)[None])[0]
         lit = _faces(surface, camera - in_rig) & _faces(surface, laser - in_rig)
+        body = Revolution(outline, self.wheel.radius_mm, RigidTransform(np.eye(3), axle))
+        for eye in (camera, laser):
+            lit[lit] = body.sees(in_rig[lit], eye)
         return self.rig_from_camera.inverse().apply(in_rig), lit
 
 
