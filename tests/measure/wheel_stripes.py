@@ -109,6 +109,7 @@ def stripe_on(wheel, sensor, rig_from_camera, rng=None, *, sigma_px=0.05, spacin
     camera_from_rig = rig_from_camera.inverse()
     in_cam = camera_from_rig.apply(points)
     facing = np.sum((normals @ camera_from_rig.rotation.T) * -in_cam, axis=1) > 0.0
+    facing &= ~hidden(profile[keep], points, normals, rig_from_camera.translation_mm)
     pixels = sensor.camera.project(in_cam)
     inside = facing & (pixels > 0).all(axis=1) & (pixels < [2047, 1087]).all(axis=1)
     return points_along(pixels, inside, rng, sigma_px, spacing_px)
@@ -138,6 +139,22 @@ def section_in_rig(wheel, profile, sensor, rig_from_camera):
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
     normals = -tangent[:, 1:] * axis + tangent[:, :1] * outward
     return foot + rho[:, None] * outward, normals
+
+
+def hidden(profile, points, normals, eye):
+    """Which points of a section the profile itself hides from an eye that is nearly in its plane."""
+    axial = np.array([0.0, 1.0, 0.0])
+    outward = normals - (normals @ axial)[:, None] * axial
+    outward = outward[np.argmax(np.linalg.norm(outward, axis=1))]
+    sight = eye - points
+    rise = sight @ (outward / np.linalg.norm(outward)) / np.maximum(np.abs(sight @ axial), 1e-9)
+    way = np.sign(sight @ axial)
+    y, z = profile.T
+    blocked = np.zeros(len(y), dtype=bool)
+    for other in range(0, len(y), 4):
+        beside = (y[other] - y) * way
+        blocked |= (beside > 0.5) & (z[other] - z > rise * beside + 0.02)
+    return blocked
 
 
 def points_along(pixels, inside, rng, sigma_px, spacing_px):
