@@ -61,6 +61,8 @@ class Laid:
         what the points do where that sensor has moved by one sigma along the radius.
     tread
         Where the sheet meets the tape circle; None where that hides, or no axle is known.
+    axle
+        By which it was laid; None where none is known.
     axle_offset_mm, sheet_yaw_rad
         How oblique the cut is; None where the axle is not known.
     """
@@ -76,6 +78,7 @@ class Laid:
     shared_mm: FloatArray
     by_vibration_mm: Mapping[str, FloatArray]
     tread: "TreadSpot | None"
+    axle: Axle | None
     axle_offset_mm: float | None
     sheet_yaw_rad: float | None
 
@@ -149,46 +152,95 @@ def lay_by_axle(
         ])
     )
     guess = Axle.exact(radial_x, survey.wheel_radius_mm)
-    silent, found = dict[str, str](), list[_Found]()
-    for name, sheet in sheets.items():
-        wheel = _find(rig[name], sheet, guess, template)
-        if isinstance(wheel, Unmeasured):
-            silent[name] = wheel.reason
-        else:
-            found.append(wheel)
+    tried = {name: _find(rig[name], sheet, guess, template) for name, sheet in sheets.items()}
+    found = [each for each in tried.values() if isinstance(each, _Found)]
+    silent = {name: each.reason for name, each in tried.items() if isinstance(each, Unmeasured)}
     if not found:
         fullest = max(sheets, key=lambda name: len(sheets[name]))
         return Unmeasured(silent[fullest])
-    treads = {w.sensor.name: w.tread.in_rig_mm for w in found if w.tread is not None}
-    if not treads:
+    laid = _together(found, survey, radial_x, template)
+    agreeing = [part for part in laid if _apart_mm(part, laid[0]) <= _reach_mm(survey)]
+    if len(agreeing) < len(laid):
+        names = {part.sensor.name for part in agreeing}
+        first = [each for each in found if each.sensor.name in names]
+        others = {n: sheets[n] for n in (each.sensor.name for each in found) if n not in names}
+        laid = _looked_for_again(first, others, rig, survey, radial_x, template)
+        for part in laid[1:]:
+            if (apart := _apart_mm(part, laid[0])) > _reach_mm(survey):
+                silent[part.sensor.name] = _why_apart(part, laid[0], apart, survey)
+        laid = [part for part in laid if part.sensor.name not in silent]
+    if not laid:
         return Unmeasured(
             "half a wheel: the tread at the tape circle is not seen; look at the field of view, "
             "and for glare"
         )
+    return Laying(tuple(laid), silent)
+
+
+def _together(
+    found: Sequence[_Found], survey: Survey, radial_x: float, template: Template
+) -> list[Laid]:
+    """Lay all by the axle that their treads show, what shows most first; none without a tread."""
+    treads = {w.sensor.name: w.tread.in_rig_mm for w in found if w.tread is not None}
+    if not treads:
+        return []
     # Once: which points lie beside the tape circle is lateral, and no axle changes that.
     axle = solve_axle(np.array(list(treads.values())), survey, radial_x)
     laid = [_laid(wheel, axle, list(treads), survey, template) for wheel in found]
-    laid.sort(key=lambda part: -len(np.unique(np.floor(part.along_mm))))
-    reach = _SAME_FLANGE_MM + _SAME_FLANGE_SIGMAS * survey.sigma_vibration_mm
-    parts = [laid[0]]
-    for part in laid[1:]:
-        apart = float(np.hypot(*(part.shift_mm - laid[0].shift_mm)))
-        if apart <= reach:
-            parts.append(part)
-        else:
-            silent[part.sensor.name] = (
-                f"its flange is {apart:.1f} mm from where sensor {laid[0].sensor.name} sees it, "
-                f"{reach:.1f} at most: check the rig, and that both were triggered together"
-            )
-    return Laying(tuple(parts), silent)
+    return sorted(laid, key=lambda part: -len(np.unique(np.floor(part.along_mm))))
+
+
+def _looked_for_again(
+    first: Sequence[_Found],
+    sheets: Mapping[str, SheetPoints],
+    rig: Rig,
+    survey: Survey,
+    radial_x: float,
+    template: Template,
+) -> list[Laid]:
+    """Lay the first ones, and what other sheets show where these have seen the flange.
+
+    In bad light a sheet may hold something else that is more like a flange.
+    """
+    laid = _together(first, survey, radial_x, template)
+    axle = laid[0].axle if laid else None
+    if axle is None:
+        return []
+    found = list(first)
+    for name, sheet in sheets.items():
+        again = _find(rig[name], sheet, axle, template, shift_mm=laid[0].shift_mm)
+        if isinstance(again, _Found):
+            found.append(again)
+    return _together(found, survey, radial_x, template)
+
+
+def _reach_mm(survey: Survey) -> float:
+    return _SAME_FLANGE_MM + _SAME_FLANGE_SIGMAS * survey.sigma_vibration_mm
+
+
+def _apart_mm(one: Laid, other: Laid) -> float:
+    return float(np.hypot(*(one.shift_mm - other.shift_mm)))
+
+
+def _why_apart(part: Laid, first: Laid, apart_mm: float, survey: Survey) -> str:
+    return (
+        f"its flange is {apart_mm:.1f} mm from where sensor {first.sensor.name} sees it, "
+        f"{_reach_mm(survey):.1f} at most: check the rig, and that both were triggered together"
+    )
 
 
 def _find(
-    sensor: RigSensor, sheet: SheetPoints, guess: Axle, template: Template
+    sensor: RigSensor,
+    sheet: SheetPoints,
+    guess: Axle,
+    template: Template,
+    *,
+    shift_mm: FloatArray | None = None,
 ) -> _Found | Unmeasured:
+    """Find the wheel on a sheet: where its flange is, or where it is known to be."""
     section_map = guess.map(sensor.rig_from_camera)
     section = Section.of(sheet, section_map)
-    shift = place_of_flange(section, sheet, template)
+    shift = place_of_flange(section, sheet, template) if shift_mm is None else shift_mm
     if isinstance(shift, Unmeasured):
         return shift
     kept = keep(section, sheet, shift, template)
@@ -224,6 +276,7 @@ def _laid(found: _Found, axle: Axle, by: Sequence[str], survey: Survey, template
         shared_mm=np.concatenate([_held(outward, axle), tilts], axis=2),
         by_vibration_mm=dict(zip(by, np.moveaxis(vibrations, 2, 0), strict=False)),
         tread=found.tread,
+        axle=axle,
         axle_offset_mm=offset,
         sheet_yaw_rad=yaw,
     )
@@ -293,9 +346,10 @@ def _tread_in_rig(
     near = np.flatnonzero(np.abs(y) < _TREAD_HALF_MM)
     if len(near) < _MIN_TREAD_POINTS or not (y[near].min() < 0.0 < y[near].max()):
         return None
-    # The constant of a straight line through the points is a weighted sum of them.
+    # The constant of a parabola through the points is a weighted sum of them. A straight line would
+    # lie 0.08 mm above the hollow of an S1002 tread, and a diameter be 0.15 mm too great.
     certainty = 1.0 / section.sigma_mm[near] ** 2
-    design = np.column_stack([np.ones(len(near)), y[near]])
+    design = y[near, None] ** np.arange(3)
     weight = np.linalg.solve((design.T * certainty) @ design, design.T * certainty)[0]
     in_rig = sensor.rig_from_camera.apply(wheel.points_in_cam_mm[near])
     return TreadSpot(weight @ in_rig[:, [0, 2]], weight @ outward[near], near, weight)

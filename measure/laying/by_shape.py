@@ -88,6 +88,7 @@ def lay_by_shape(sheet: SheetPoints, of: RigSensor, template: Template) -> Layin
         shared_mm=turn[:, :, None],
         by_vibration_mm={},
         tread=None,
+        axle=None,
         axle_offset_mm=None,
         sheet_yaw_rad=None,
     )

@@ -12,6 +12,7 @@ from measure.merging.overlap import Overlap
 _ROUNDS = 4
 _HUBER_SIGMAS = 2.0
 _PLAUSIBLE_SIGMAS = 5.0
+_FREE_MM = 100.0
 
 
 def learn(overlaps: Sequence[Overlap], before: Learnt | None) -> Learnt | None:
@@ -48,17 +49,24 @@ def learn(overlaps: Sequence[Overlap], before: Learnt | None) -> Learnt | None:
     if before is not None:
         apart = apart + by_cause @ before.causes
     sigma = np.concatenate([each.sigma_mm for each in overlaps])
-    variance = sigma**2
-    gain = np.zeros((by_cause.shape[1], 0))
-    for _ in range(_ROUNDS):
-        gain = np.linalg.solve(by_cause @ by_cause.T + np.diag(variance), by_cause).T
-        score = np.abs(apart - by_cause @ (gain @ apart)) / sigma
-        variance = sigma**2 * np.maximum(1.0, score / _HUBER_SIGMAS)
+    gain, variance = _robust_gain(by_cause, apart, sigma)
     return Learnt(
         causes=gain @ apart,
         left=np.eye(len(gain)) - gain @ by_cause,
         noise=gain * np.sqrt(variance),
     )
+
+
+def _robust_gain(
+    by_cause: FloatArray, apart: FloatArray, sigma: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return K of the most likely causes, and the variance that each misfit then counts with."""
+    variance = sigma**2
+    for _ in range(_ROUNDS):
+        gain = np.linalg.solve(by_cause @ by_cause.T + np.diag(variance), by_cause).T
+        score = np.abs(apart - by_cause @ (gain @ apart)) / sigma
+        variance = sigma**2 * np.maximum(1.0, score / _HUBER_SIGMAS)
+    return np.asarray(gain), np.asarray(variance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,12 +95,13 @@ class Displacement:
 
 def displacement(overlap: Overlap) -> Displacement | None:
     """Return by how much the other strand lies aside from the one, or None where nothing tells."""
-    weighted = overlap.outward / overlap.sigma_mm[:, None]
-    if len(overlap) < 2 or np.linalg.matrix_rank(weighted) < 2:
+    if len(overlap) < 2 or np.linalg.matrix_rank(overlap.outward) < 2:
         return None
-    solver = np.linalg.pinv(weighted) / overlap.sigma_mm
+    # By the two shifts alone, which nothing beforehand holds, against stretches that are not alike.
+    gain, variance = _robust_gain(overlap.outward * _FREE_MM, overlap.apart_mm, overlap.sigma_mm)
+    solver = gain * _FREE_MM
     shift = -solver @ overlap.apart_mm
-    scatter = (solver * overlap.sigma_mm**2) @ solver.T
+    scatter = (solver * variance) @ solver.T
     causes = solver @ overlap.by_cause
     odd = shift @ np.linalg.solve(causes @ causes.T + scatter, shift)
     return Displacement(shift, np.sqrt(np.diag(scatter)), float(np.sqrt(odd)))

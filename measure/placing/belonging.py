@@ -11,6 +11,8 @@ _OUTSIDE_MM = (-14.0, 6.0)
 # With the tip laid on the tip, no tread stands that far out: the next profile's is 1 mm higher.
 _TREAD_OUTSIDE_MM = 3.0
 _BEYOND_END_MM = 1.0
+# What lies under the reference's last point is the field face of the rim.
+_UNDER_END_MM = 3.0
 _MIN_SHARE = 0.5
 
 
@@ -23,6 +25,7 @@ def can_be_wheel(
     """
     low, high = _OUTSIDE_MM
     on_profile = along_mm < template.along_mm[-1] + _BEYOND_END_MM
+    on_profile &= (nearest < len(template) - 1) | (outside_mm > -_UNDER_END_MM)
     unworn = (nearest < template.back_count) | template.is_unworn(along_mm)
     floor = np.where(unworn, -high, low)
     ceiling = np.where(template.is_tread(nearest), _TREAD_OUTSIDE_MM, high)

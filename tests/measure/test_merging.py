@@ -102,7 +102,7 @@ def test_sections_of_two_wheels_are_not_joined(rng):
     moved = {"inner": (0.0, 9.0, 0.0)}
     answer = measured([rs.shot(WORN, rng, moved=moved)])
     assert answer.readings[THICKNESS].status is Status.MISSING
-    assert any("its flange is" in (s.reason or "") for s in answer.quality.by_sensor.values())
+    assert any("check the rig" in (s.reason or "") for s in answer.quality.by_sensor.values())
 
 
 def test_u95_of_thickness_is_what_calibration_vibration_and_noise_make_of_it(rng):
