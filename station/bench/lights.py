@@ -1,6 +1,6 @@
 """The light plane in good light and in the six bad ones, by every method, beside the truth."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -24,7 +24,8 @@ from station.tables import Table, Value
 
 TARGET = Target.parse("dots:7x8:12:d=6")
 _RENDER_AND_OBSERVE_S = 0.3
-_Task = tuple[TargetScene, int, str]
+SceneTask = tuple[TargetScene, int, str]
+"""A scene, the seed of its noise, and the picture's name."""
 
 
 def bench_lights(progress: Progress, *, poses: int = 20, seed: int = 1) -> Table:
@@ -62,15 +63,19 @@ def observe_light(
     """Render and observe pictures in one light; return what was seen and how many were not."""
     rng = np.random.default_rng([seed, list(Light).index(light)])
     scenes = target_scenes(rng, sensor, TARGET, [light] * poses)
-    tasks = [(scene, index, f"{light}-{index:02d}") for index, scene in enumerate(scenes)]
-    seen: Iterator[View | None] = map_on_all_cores(
-        _observe, tasks, count=len(tasks), seconds_each=_RENDER_AND_OBSERVE_S
-    )
+    seen = observe_scenes([(scene, n, f"{light}-{n:02d}") for n, scene in enumerate(scenes)])
     views = [view for view in seen if view is not None]
-    return views, poses - len(views)
+    return views, len(seen) - len(views)
 
 
-def _observe(task: _Task) -> View | None:
+def observe_scenes(tasks: Sequence[SceneTask]) -> list[View | None]:
+    """Render scenes and observe their targets, on all cores; None where one was not found."""
+    return list(
+        map_on_all_cores(_observe, tasks, count=len(tasks), seconds_each=_RENDER_AND_OBSERVE_S)
+    )
+
+
+def _observe(task: SceneTask) -> View | None:
     scene, noise_seed, name = task
     picture: Picture = scene.render(np.random.default_rng(noise_seed))
     try:
