@@ -26,6 +26,7 @@ _TREAD_HALF_MM = 12.0
 # Flanges farther apart than a gross error of the rig and this many sigmas of vibration are not one.
 _SAME_FLANGE_MM = 2.0
 _SAME_FLANGE_SIGMAS = 5.0
+_OF_ONE_RADIUS_MM = 15.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -296,7 +297,9 @@ def place_of_flange(
         return Unmeasured(
             f"no wheel: nothing like a flange among {len(section.points_mm)} stripe points"
         )
-    apart = max(abs(flange.shift_mm[0] - flanges[0].shift_mm[0]) for flange in flanges)
+    aside = np.array([flange.shift_mm - flanges[0].shift_mm for flange in flanges])
+    # Wheels of one axle are of one radius: what is like a flange lower down is the rim's edge.
+    apart = float(np.abs(aside[np.abs(aside[:, 1]) < _OF_ONE_RADIUS_MM, 0]).max())
     if WHEELS_APART_MM < apart < NARROWEST_RIM_MM:
         return Unmeasured(
             f"no wheel: two shapes like a flange {apart:.0f} mm apart; a rim is wider than that"
