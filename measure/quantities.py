@@ -23,16 +23,22 @@ class Quantity(StrEnum):
     """The greatest such difference over the running tread."""
     HOLLOW_DEPTH = "hollow_depth"
     """Depth of the tread's hollow below the level of its field-side high point."""
+    DIAMETER = "diameter"
+    """Twice the radius at the tape circle; only where several sheets tell it."""
 
     @property
     def grows_with_wear(self) -> bool:
-        """Whether wear makes it greater; it thins the flange and steepens its face."""
+        """Whether wear makes it greater; it thins the flange, steepens its face, takes radius."""
         return self not in {
+            Quantity.DIAMETER,
             Quantity.FLANGE_THICKNESS_10,
             Quantity.FLANGE_THICKNESS_12,
             Quantity.FLANGE_GRADIENT_QR,
         }
 
+
+OF_A_PROFILE = tuple(quantity for quantity in Quantity if quantity is not Quantity.DIAMETER)
+"""What one profile of a wheel can show."""
 
 NEEDS_BACK = frozenset({
     Quantity.FLANGE_THICKNESS_10,

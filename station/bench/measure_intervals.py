@@ -7,10 +7,10 @@ from types import MappingProxyType
 import numpy as np
 
 from calib import CameraModel, FloatArray, LaserSensor, LightPlane, RigidTransform, calibrate
-from measure import Mounting, Quantity, WheelFrame, measure_wheel, reference_profile
+from measure import OF_A_PROFILE, Mounting, Quantity, WheelFrame, measure_wheel, reference_profile
 from station.bench.lights import TARGET, observe_light
 from station.bench.wheel_stripes import PlacedWheel, StripeNoise
-from station.bench.wheel_truths import true_values
+from station.bench.wheel_truths import errors_and_u95
 from station.pipeline import map_on_all_cores
 from station.progress import Progress
 from station.scenes import Light, WheelTruth, paper_sensor, trackside_mounting
@@ -61,7 +61,9 @@ def bench_intervals(
         )
         drawn = np.array(list(answers))
         unmeasured += int(np.isnan(drawn[:, :, 0]).all(axis=1).sum())
-        rows += [_row(quantity, count, drawn[:, n]) for n, quantity in enumerate(Quantity)]
+        rows += [
+            interval_row(quantity, count, drawn[:, n]) for n, quantity in enumerate(OF_A_PROFILE)
+        ]
     low, high = ASKED_SHARE
     fewest = min(draws.values())
     notes = (
@@ -82,7 +84,8 @@ def calibrated_covariance(seed: int) -> FloatArray:
     return calibrate(views, TARGET, width=camera.width, height=camera.height).sensor.covariance
 
 
-def _row(quantity: Quantity, frames: int, drawn: FloatArray) -> dict[str, Value]:
+def interval_row(quantity: Quantity, frames: int, drawn: FloatArray) -> dict[str, Value]:
+    """Return how often the truth lies within u95, of errors and u95 of a quantity, (N, 2)."""
     error, u95 = drawn[np.isfinite(drawn[:, 0])].T
     inside = float(np.mean(np.abs(error) <= u95))
     low, high = ASKED_SHARE
@@ -125,20 +128,21 @@ def _errors_and_u95(task: _Pass) -> FloatArray:
         reference_profile(wheel.reference),
         mounting=mounting,
     )
-    truth = true_values(wheel)
-    return np.array([
-        [np.nan, np.nan]
-        if reading.value is None or reading.u95 is None
-        else [reading.value - truth[quantity], reading.u95]
-        for quantity, reading in answer.readings.items()
-    ])
+    return np.array(errors_and_u95(answer, wheel, OF_A_PROFILE))
 
 
 def _drawn_sensor(
     exact: LaserSensor, covariance: FloatArray, rng: np.random.Generator
 ) -> LaserSensor:
-    parameters = np.concatenate([exact.camera.parameters, exact.plane.coefficients])
-    drawn = rng.multivariate_normal(parameters, covariance, check_valid="ignore")
+    nowhere = np.zeros(len(covariance))
+    return sensor_beside(
+        exact, rng.multivariate_normal(nowhere, covariance, check_valid="ignore"), covariance
+    )
+
+
+def sensor_beside(exact: LaserSensor, step: FloatArray, covariance: FloatArray) -> LaserSensor:
+    """Return a sensor whose parameters, shape (13,), are off by a step, as it is said to be."""
+    drawn = np.concatenate([exact.camera.parameters, exact.plane.coefficients]) + step
     camera = CameraModel.from_parameters(
         drawn[:9], width=exact.camera.width, height=exact.camera.height
     )
