@@ -23,6 +23,7 @@ from calib.compare import (
     pixel_grid,
     sheet_difference_mm,
 )
+from calib.compare_rigs import compare_placings
 from calib.errors import (
     CalibError,
     CameraMismatch,
@@ -53,6 +54,15 @@ from calib.sheet_frame import SheetFrame
 from calib.sheet_table import SheetTable
 from calib.solving.bound import cramer_rao_bound
 from calib.solving.calibrate import calibrate, calibrate_camera
+from calib.solving.rig.answer import (
+    RigCalibration,
+    RigReach,
+    SensorFit,
+    SolvedBoard,
+    SolvedRigView,
+)
+from calib.solving.rig.calibrate_rig import calibrate_rig
+from calib.solving.rig.showing import RigShowing
 from calib.target import Target
 from calib.views import Cause, StripePoints, TargetPoints, View
 
@@ -84,14 +94,20 @@ __all__ = [
     "POSE_PARAMETERS",
     "RIG_PARAMETERS",
     "Rig",
+    "RigCalibration",
+    "RigReach",
     "RigSensor",
+    "RigShowing",
     "RigidTransform",
     "moved_by",
     "SheetComparison",
     "SheetFrame",
     "SheetTable",
     "SolveReport",
+    "SensorFit",
+    "SolvedBoard",
     "SolvedPoints",
+    "SolvedRigView",
     "SolvedView",
     "StripeNotFound",
     "StripePoints",
@@ -104,6 +120,8 @@ __all__ = [
     "View",
     "calibrate",
     "calibrate_camera",
+    "calibrate_rig",
+    "compare_placings",
     "compare_sensors",
     "cramer_rao_bound",
     "frozen",

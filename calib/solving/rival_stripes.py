@@ -89,7 +89,7 @@ def settle_stripes(
         index = int(lines.view[line])
         own = misses[(lines.view == index) & (lines.choice == 0)]
         if not (own <= limit).any():
-            settled[index] = _exchanged(views[index], int(lines.choice[line]))
+            settled[index] = exchanged(views[index], int(lines.choice[line]))
     return tuple(settled)
 
 
@@ -125,7 +125,8 @@ def _candidates(view: View) -> tuple[StripePoints, ...]:
     return () if view.stripe is None else (view.stripe, *view.rivals)
 
 
-def _exchanged(view: View, choice: int) -> View:
+def exchanged(view: View, choice: int) -> View:
+    """Return a view whose stripe is another of its candidates, counted from the stripe itself."""
     candidates = _candidates(view)
     others = tuple(each for place, each in enumerate(candidates) if place != choice)
     return replace(view, stripe=candidates[choice], rivals=others)

@@ -106,7 +106,7 @@ class Layout:
         moved = replace(
             estimate,
             camera=camera,
-            rotation=_orthonormal(turns @ estimate.rotation),
+            rotation=orthonormal(turns @ estimate.rotation),
             translation_mm=estimate.translation_mm + pose_steps[:, 3:],
         )
         if not self.plane:
@@ -143,7 +143,7 @@ def tangent_basis(normal: FloatArray) -> FloatArray:
     return np.column_stack([first, np.cross(normal, first)])
 
 
-def _orthonormal(rotations: FloatArray) -> FloatArray:
+def orthonormal(rotations: FloatArray) -> FloatArray:
     """Take the rounding of many products out of nearly orthonormal matrices, shape (M, 3, 3)."""
     # One Newton step towards the polar factor squares an error that is 1e-15 a product.
     gram = rotations.transpose(0, 2, 1) @ rotations

@@ -79,7 +79,7 @@ def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
             else:
                 belief = Belief.from_medians(problem, place)
             moving = belief.differs_from(before)
-            damping, raising = _eased(damping, fall, decrement), _FIRST_RAISING
+            damping, raising = eased(damping, fall, decrement), _FIRST_RAISING
         elif damping >= _MOST_DAMPING:
             raise NotConverged(
                 f"the solve stands still after {iteration} steps; check the target's size and "
@@ -95,7 +95,7 @@ def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
     )
 
 
-def _eased(damping: float, fall: float, decrement: float) -> float:
+def eased(damping: float, fall: float, decrement: float) -> float:
     """Return the damping after a step that was taken, by Nielsen's rule.
 
     It eases where the cost fell as foretold. Where it did not - at large noise a board seen from
