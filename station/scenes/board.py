@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from calib import Target
+from calib import FloatArray, Target, frozen
 from station.scenes.patch import Counts
 from station.scenes.texture import brushed
 
@@ -107,7 +107,30 @@ def dot_radius_mm(target: Target) -> float:
     return (target.diameter_mm or target.pitch_mm / 2.0) / 2.0
 
 
-def appearance(target: Target, place: BoardMap, grain_contrast: float) -> Appearance:
+def checked_shifts(target: Target, dot_shift_mm: FloatArray) -> FloatArray:
+    """Return the shifts of a target's dots, read-only, shape (rows * cols, 2).
+
+    Raises
+    ------
+    ValueError
+        If the target has no dots, there is not a shift for each, or dots may touch.
+    """
+    shifts = frozen(dot_shift_mm, (target.rows * target.cols, 2), "dot_shift_mm")
+    if target.kind != "dots":
+        raise ValueError(f"only dots can be displaced, and the target is {target}")
+    gap_mm = 0.5 * target.pitch_mm - dot_radius_mm(target)
+    largest_mm = float(np.abs(shifts).max())
+    if not largest_mm < gap_mm:
+        raise ValueError(f"dots displaced by {largest_mm:g} mm; allowed: less than {gap_mm:g}")
+    return shifts
+
+
+def appearance(
+    target: Target,
+    place: BoardMap,
+    grain_contrast: float,
+    dot_shift_mm: FloatArray | None = None,
+) -> Appearance:
     """Return what a window sees of the target.
 
     Parameters
@@ -118,11 +141,14 @@ def appearance(target: Target, place: BoardMap, grain_contrast: float) -> Appear
         Where on the board its pixels look.
     grain_contrast
         Standard deviation over mean of what the bare board returns.
+    dot_shift_mm
+        Shape (rows * cols, 2): how far each dot is from its place, less than half of the gap
+        between dots.
     """
     grain = _grain(place)
     if target.kind == "chessboard" or target.dark:
-        return _printed(target, place, grain, grain_contrast)
-    dot, lamps = _dots(target, place)
+        return _printed(target, place, grain, grain_contrast, dot_shift_mm)
+    dot, lamps = _dots(target, place, dot_shift_mm)
     metal = 1.0 - dot
     returned = 1.0 + np.float32(grain_contrast) * grain
     return Appearance(
@@ -136,9 +162,18 @@ def appearance(target: Target, place: BoardMap, grain_contrast: float) -> Appear
     )
 
 
-def _printed(target: Target, place: BoardMap, grain: Counts, grain_contrast: float) -> Appearance:
+def _printed(
+    target: Target,
+    place: BoardMap,
+    grain: Counts,
+    grain_contrast: float,
+    dot_shift_mm: FloatArray | None,
+) -> Appearance:
     """Return what a window sees of ink on paper: nothing glows and nothing shines."""
-    ink = _chessboard(target, place) if target.kind == "chessboard" else _dots(target, place)[0]
+    if target.kind == "chessboard":
+        ink = _chessboard(target, place)
+    else:
+        ink, _ = _dots(target, place, dot_shift_mm)
     paper = 1.0 + np.float32(0.3 * grain_contrast) * grain
     nothing = np.zeros(ink.shape, dtype=np.float32)
     return Appearance(
@@ -179,12 +214,17 @@ def _board_share(target: Target, place: BoardMap) -> Counts:
     return place.filled(x_inside, one, zero) * place.filled(y_inside, zero, one)
 
 
-def _dots(target: Target, place: BoardMap) -> tuple[Counts, Counts]:
+def _dots(
+    target: Target, place: BoardMap, dot_shift_mm: FloatArray | None
+) -> tuple[Counts, Counts]:
     """Return the share of each pixel that a dot fills, and the dot's light."""
     pitch = np.float32(target.pitch_mm)
     col = np.clip(np.rint(place.x_mm / pitch), 0, target.cols - 1)
     row = np.clip(np.rint(place.y_mm / pitch), 0, target.rows - 1)
     x, y = place.x_mm - col * pitch, place.y_mm - row * pitch
+    if dot_shift_mm is not None:
+        which = (row * target.cols + col).astype(np.intp)
+        x, y = np.asarray([x, y]) - dot_shift_mm.astype(np.float32).T[:, which]
     distance = np.sqrt(x * x + y * y) + np.float32(1e-6)
     radius = np.float32(dot_radius_mm(target))
     dot = place.filled(radius - distance, x / distance, y / distance)

@@ -111,7 +111,7 @@ def _draw_pose(
         pose = _guess_pose(rng, sensor, target)
         if pose is not None and through_dots:
             pose = pose_through_dots(sensor, target, pose)
-        if pose is not None and _usable(pose, sensor, target):
+        if pose is not None and usable_pose(pose, sensor, target):
             return pose
     low, high = outline_mm(target)
     width, height = high - low
@@ -139,7 +139,8 @@ def _guess_pose(
     return RigidTransform(rotation, on_sheet - rotation @ on_board)
 
 
-def _usable(pose: RigidTransform, sensor: LaserSensor, target: Target) -> bool:
+def usable_pose(pose: RigidTransform, sensor: LaserSensor, target: Target) -> bool:
+    """Tell whether all points are in view, and the stripe crosses them from side to side."""
     return _in_view(pose, sensor.camera, target) and _crossed(pose, sensor.plane, target)
 
 

@@ -1,12 +1,12 @@
 """The laser: a fan of light from one point, thin across, and how brightly it lights a surface."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
-from calib import FloatArray, LaserSensor, LightPlane, frozen
+from calib import FloatArray, LaserSensor, LightPlane, RigidTransform, frozen
 from station.scenes.installation import projector_in_cam_mm
 
 _REFERENCE_MM = 593.0  # from the laser to the middle of the field: brightness 1 there
@@ -65,6 +65,17 @@ class LaserSheet:
             sigma_mm=0.225,
             power=1.0,
             waves=_draw_waves(rng, unevenness),
+        )
+
+    def seen_from(self, cam_from_own: RigidTransform) -> "LaserSheet":
+        """Return the same sheet in the frame of another camera."""
+        normal = cam_from_own.rotation @ self.plane.normal_in_cam
+        source = cam_from_own.apply(self.source_in_cam_mm[None])[0]
+        return replace(
+            self,
+            plane=LightPlane.from_coefficients([*normal, -float(normal @ source)]),
+            source_in_cam_mm=source,
+            axis_in_cam=cam_from_own.rotation @ self.axis_in_cam,
         )
 
     def reflected_through(

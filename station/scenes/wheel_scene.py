@@ -49,6 +49,11 @@ class WheelScene(Scene):
         What else is wrong with the picture.
     neighbours_mm
         Lateral places, from this wheel, of more wheels of the same shape on the same axle line.
+    soil_seed
+        What of the soiling is left to chance, where several cameras see one wheel: it is the
+        wheel's. None: as `seed` has it.
+    other_sheets
+        Lasers of other sensors that shine as well.
 
     Raises
     ------
@@ -67,6 +72,8 @@ class WheelScene(Scene):
     physics: Physics = field(default_factory=Physics)
     faults: WheelFaults = field(default_factory=WheelFaults)
     neighbours_mm: tuple[float, ...] = ()
+    soil_seed: int | None = None
+    other_sheets: tuple[LaserSheet, ...] = ()
 
     def __post_init__(self) -> None:
         if not np.isfinite([self.axle_offset_mm, self.lateral_shift_mm]).all():
@@ -89,7 +96,8 @@ class WheelScene(Scene):
         place = RigidTransform(np.eye(3), np.array([0.0, beside_mm, 0.0])) @ self.rig_from_axle
         cam_from_axle = self.rig_from_camera.inverse() @ place
         outline = self.wheel.profile.points_mm
-        coat = self.faults.soiling.coat(outline, np.random.default_rng([self.seed, 1]))
+        soil_seed = self.seed if self.soil_seed is None else self.soil_seed
+        coat = self.faults.soiling.coat(outline, np.random.default_rng([soil_seed, 1]))
         surface = outline + coat.height_mm[:, None] * self.wheel.profile.normals
         body = Revolution(WheelProfile(surface), self.wheel.radius_mm, cam_from_axle)
         cover, light = body_light(body, self.sensor.camera, self.recipe, by_chance)
@@ -104,7 +112,8 @@ class WheelScene(Scene):
         recipe, faults = self.recipe, self.faults
         sheet = LaserSheet.of_sensor(self.sensor, by_chance, unevenness=recipe.stripe_unevenness)
         stains = coat * dirt(by_chance, len(coat), 0.05, self.physics.grain)
-        self._add_stripe(frame, body, sheet, stains, by_chance)
+        for each in (sheet, *self.other_sheets):
+            self._add_stripe(frame, body, each, stains, by_chance)
         if recipe.false_stripe > 0.0:
             false = sheet.reflected_through(
                 _beside(body, sheet, by_chance), by_chance, power=0.5 * recipe.false_stripe
