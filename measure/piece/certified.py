@@ -16,6 +16,8 @@ CERTIFIED_AT_C = 20.0
 # Where the piece's temperature is not told, outdoors: half-width of a 95 % interval about 20 C.
 _UNKNOWN_K = 20.0
 _LARGEST_STEP_MM = 200.0
+# A holder without doubt is a weight without end; this is 0.1 um on 100 mm.
+_SQUAREST_RAD = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,10 +36,13 @@ class Piece:
         How much it grows by warmth; 0 where it does not matter.
     squareness_deg
         How far, at most in 95 % of cases, the holder lets its length stand from square to the
-        sheet. A slanted cut is longer, by half the square of the slant.
+        sheet, or from `length_in_rig`. A slanted cut is longer, by half the square of the slant.
     held_u95_mm
         How well its holder keeps it in place from check to check; None of one that is put there
         by hand. Then the place where it is seen is a witness too.
+    length_in_rig
+        Along which direction of the rig frame, of any length, its holder keeps it; None of one
+        that stands square to the sheets, as far as these agree.
 
     Raises
     ------
@@ -52,6 +57,7 @@ class Piece:
     expansion_per_k: float = 0.0
     squareness_deg: float = 0.5
     held_u95_mm: float | None = None
+    length_in_rig: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         if not self.faces:
@@ -67,6 +73,12 @@ class Piece:
         ):
             if not 0.0 <= value <= most:
                 raise PieceInvalid(f"{figure} is {value:g}; allowed: 0 to {most:g}")
+        if self.length_in_rig is not None:
+            length = float(np.linalg.norm(self.length_in_rig))
+            if not 0.0 < length < float("inf"):
+                raise PieceInvalid(
+                    f"length_in_rig is {self.length_in_rig}; allowed: a direction along x, y and z"
+                )
 
     @classmethod
     def from_corners(
@@ -79,6 +91,7 @@ class Piece:
         expansion_per_k: float = 0.0,
         squareness_deg: float = 0.5,
         held_u95_mm: float | None = None,
+        length_in_rig: tuple[float, float, float] | None = None,
     ) -> Self:
         """Make a piece from its corners, left to right with the metal below.
 
@@ -89,7 +102,7 @@ class Piece:
         corners
             One entry a corner: ``[(x, z)]`` ends a straight side, ``[(x, z), (x, z)]`` is a point
             on the way and the end of a round one. mm.
-        u95_mm, expansion_per_k, squareness_deg, held_u95_mm
+        u95_mm, expansion_per_k, squareness_deg, held_u95_mm, length_in_rig
             The other attributes.
 
         Raises
@@ -112,7 +125,16 @@ class Piece:
                 else PieceFace(start, end)
             )
             start = end
-        return cls(name, serial, tuple(faces), u95_mm, expansion_per_k, squareness_deg, held_u95_mm)
+        return cls(
+            name,
+            serial,
+            tuple(faces),
+            u95_mm,
+            expansion_per_k,
+            squareness_deg,
+            held_u95_mm,
+            length_in_rig,
+        )
 
     @classmethod
     def step(cls, height_mm: float, *, width_mm: float = 20.0, u95_mm: float = 0.0) -> Self:
@@ -141,6 +163,19 @@ class Piece:
         """Greatest distance of two edges."""
         off = self.corners_mm[:, None] - self.corners_mm
         return float(np.linalg.norm(off, axis=2).max())
+
+    @property
+    def squareness_rad(self) -> float:
+        """Standard deviation of its length from square to the sheet, about each axis."""
+        return max(float(np.radians(self.squareness_deg)) / 1.96, _SQUAREST_RAD)
+
+    @property
+    def terms(self) -> tuple[int, ...]:
+        """Of the polynomial that each side follows where the sensor or the piece is off a little.
+
+        Two of a straight side, which is turned; three of a round one, whose radius is another.
+        """
+        return tuple(2 if side.centre_mm is None else 3 for side in self.faces)
 
     def samples(self, step_mm: float) -> tuple[FloatArray, FloatArray]:
         """Return points and outward normals about evenly along all faces, (M, 2) each."""

@@ -5,17 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from calib import LaserSensor, StripePoints
-from measure.gauging.uncertainty import COVERAGE_FACTOR, MODEL_FLOOR_MM
 from measure.piece.certified import Piece
-from measure.piece.dimensions import Dimension, dimensions_of, form_of, hidden_faces
+from measure.piece.dimensions import dimensions_of, form_of, hidden_faces
 from measure.piece.fit import LaidPiece, lay_on_piece
+from measure.piece.joined import joined, placement_weights
 from measure.piece.place import PiecePlace
 from measure.piece.verdict import PieceJudgement, PieceReading, PieceVerdict, Told, judged_by
-
-# A piece that stood still shows the same speckle again: only where it was moved by more than
-# grain and kernel do pictures scatter apart.
-_MOVED_MM = 1.0
-_PROFILE = "profile"
 
 
 def judge_piece(
@@ -73,14 +68,18 @@ def judge_piece(
     if not laid:
         why = f"; {readings[0].name}: {readings[0].reason}" if readings else ""
         return _unknown(f"the piece was read in none of {len(readings)} pictures{why}", readings)
-    weights = _weights(laid)
+    weights = placement_weights([
+        now.corners_mm @ one.pose.turn.T + one.pose.shift_mm for one in laid
+    ])
     stretch = now.stretch_u95(temperature_c)
     told = [
-        [_joined(same, weights, sensor, now, stretch) for same in _by_name(parts)]
+        joined(parts, weights, sensor.covariance, now, stretch)
         for parts in ([dimensions_of(one) for one in laid], [form_of(one) for one in laid])
     ]
     moved, notes = _moved_since(earlier, readings, now)
-    hidden = set.intersection(*(set(hidden_faces(one)) for one in laid))
+    # The sheet's origin is the camera's foot on it.
+    foot = np.zeros((1, 2))
+    hidden = set.intersection(*(set(hidden_faces(one, one.pose.to_piece(foot))) for one in laid))
     return judged_by([*told[0], *moved], told[1], sorted(hidden), readings, limit_mm, notes)
 
 
@@ -92,53 +91,6 @@ def _reading(name: str, laid: LaidPiece | str) -> PieceReading:
 
 def _unknown(reason: str, readings: Sequence[PieceReading]) -> PieceJudgement:
     return PieceJudgement(PieceVerdict.UNKNOWN, reason, (), (), 1.0, tuple(readings))
-
-
-def _weights(laid: Sequence[LaidPiece]) -> list[tuple[int, float]]:
-    """Return for each picture its placement, and the share it has in the mean."""
-    corners = [one.piece.corners_mm @ one.pose.turn.T + one.pose.shift_mm for one in laid]
-    first: list[int] = []
-    placement: list[int] = []
-    for index, place in enumerate(corners):
-        still = [k for k, one in enumerate(first) if np.abs(place - corners[one]).max() < _MOVED_MM]
-        placement.append(still[0] if still else len(first))
-        first += [] if still else [index]
-    return [(one, 1.0 / (len(first) * placement.count(one))) for one in placement]
-
-
-def _by_name(parts: Sequence[Sequence[Dimension]]) -> list[list[Dimension | None]]:
-    """Return each dimension in all pictures; None where a picture does not tell it."""
-    tables = [{one.name: one for one in part} for part in parts]
-    names = dict.fromkeys(one.name for part in parts for one in part)
-    return [[table.get(name) for table in tables] for name in names]
-
-
-def _joined(
-    same: Sequence[Dimension | None],
-    weights: Sequence[tuple[int, float]],
-    sensor: LaserSensor,
-    piece: Piece,
-    stretch_u95: float,
-) -> Told:
-    """Join what the pictures tell of one dimension: the noise of a placement is its own."""
-    told = [(one, *weight) for one, weight in zip(same, weights, strict=True) if one is not None]
-    total = sum(share for _, _, share in told)
-    noise: dict[int, float] = {}
-    off = certified = bend = 0.0
-    by_sensor = np.zeros(len(sensor.covariance))
-    for one, placement, share in told:
-        part = share / total
-        off += part * one.off_mm
-        certified += part * one.certified_mm
-        bend += part * one.bend_mm
-        by_sensor += part * one.by_sensor_mm
-        noise[placement] = noise.get(placement, 0.0) + part * one.noise_mm
-    variance = float(by_sensor @ sensor.covariance @ by_sensor)
-    variance += bend**2 + MODEL_FLOOR_MM**2 + sum(part**2 for part in noise.values())
-    # Along the profile the certified value is a place, which no stretch makes wrong.
-    length = 0.0 if told[0][0].name.startswith(_PROFILE) else certified
-    u95 = np.linalg.norm([COVERAGE_FACTOR * variance**0.5, piece.u95_mm, stretch_u95 * length])
-    return Told(told[0][0].name, certified, off, float(u95))
 
 
 def _moved_since(

@@ -1,13 +1,13 @@
 """What the points on a piece say of its dimensions: each a linear estimate from the residuals."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from calib import FloatArray
 from measure.piece.face import PieceFace
-from measure.piece.fit import LaidPiece
+from measure.piece.gradient import Dimension, gradient_of, mean_gradients, told
+from measure.piece.laid import LaidPoints
 from measure.placing.pieces import MIN_PIECE
 
 BIN_MM = 5.0
@@ -15,40 +15,9 @@ BIN_MM = 5.0
 _PARALLEL = np.sin(np.radians(0.1))
 _CROSSING = np.sin(np.radians(15.0))
 _WIDEST_ARC_RAD = np.radians(60.0)
-# An eigenvalue this small beside the largest: the points do not tell this combination.
-_SINGULAR = 1e-5
-_BEND_SHARE = 0.7
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Dimension:
-    """One dimension of the piece as one picture shows it.
-
-    Attributes
-    ----------
-    name
-        Which it is, the same in every picture.
-    certified_mm
-        Its certified value.
-    off_mm
-        Found less certified.
-    noise_mm
-        Standard deviation by the points, afresh with every placement.
-    by_sensor_mm
-        Shape (13,): change by the sensor's parameters, the same in every picture.
-    bend_mm
-        Standard deviation by what blur does on round sides.
-    """
-
-    name: str
-    certified_mm: float
-    off_mm: float
-    noise_mm: float
-    by_sensor_mm: FloatArray
-    bend_mm: float
-
-
-def dimensions_of(laid: LaidPiece) -> list[Dimension]:
+def dimensions_of(laid: LaidPoints) -> list[Dimension]:
     """Return the dimensions that the points tell: heights, widths, angles, radii, and the size."""
     return [
         *_between_parallels(laid),
@@ -59,13 +28,9 @@ def dimensions_of(laid: LaidPiece) -> list[Dimension]:
     ]
 
 
-def form_of(laid: LaidPiece) -> list[Dimension]:
+def form_of(laid: LaidPoints) -> list[Dimension]:
     """Return the mean distance from the certified profile of each part of it, rigidly laid."""
-    rigid = _rigid(laid)
-    weight = 1.0 / laid.sigma_mm**2
-    # What the fit of the pose takes of each residual.
-    normal = (rigid.T * weight) @ rigid
-    solve = np.linalg.pinv(normal, rcond=_SINGULAR, hermitian=True) @ (rigid.T * weight)
+    gradient_of_mean = mean_gradients(laid)
     parts = []
     for index, face in enumerate(laid.piece.faces):
         before = sum(one.length_mm for one in laid.piece.faces[:index])
@@ -75,56 +40,12 @@ def form_of(laid: LaidPiece) -> list[Dimension]:
             here = (laid.face == index) & (cell == part)
             if here.sum() < MIN_PIECE:
                 continue
-            mean = np.where(here, weight, 0.0) / weight[here].sum()
-            gradient = mean - (mean @ rigid) @ solve
             place = before + (part + 0.5) * face.length_mm / count
-            parts.append(_told(f"profile at {place:.1f}", place, gradient, laid))
+            parts.append(told(f"profile at {place:.1f}", place, gradient_of_mean(here), laid))
     return parts
 
 
-def _told(name: str, certified_mm: float, gradient: FloatArray, laid: LaidPiece) -> Dimension:
-    return Dimension(
-        name=name,
-        certified_mm=certified_mm,
-        off_mm=float(gradient @ laid.outside_mm),
-        noise_mm=float(np.linalg.norm(gradient * laid.sigma_mm)),
-        by_sensor_mm=gradient @ laid.by_sensor_mm,
-        bend_mm=_BEND_SHARE * abs(float(gradient @ laid.bend_mm)),
-    )
-
-
-def _rigid(laid: LaidPiece) -> FloatArray:
-    """Return what shifts and a turn (per piece size) do to the distances, shape (N, 3)."""
-    return np.column_stack([laid.normal, laid.turning_mm / laid.piece.size_mm])
-
-
-def _gradient_of(columns: FloatArray, wanted: FloatArray, laid: LaidPiece) -> FloatArray | None:
-    """Return the gradient of a combination of the columns' factors; None if it is not told.
-
-    Parameters
-    ----------
-    columns
-        Shape (N, K), effects on the distances; what they owe to the pose is taken off beside.
-    wanted
-        Shape (K,), the combination.
-    laid
-        The points.
-    """
-    columns = np.column_stack([columns, _rigid(laid)])
-    wanted = np.concatenate([wanted, np.zeros(3)])
-    weight = 1.0 / laid.sigma_mm**2
-    information = (columns.T * weight) @ columns
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-12))
-    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
-    told = values > _SINGULAR * values[-1]
-    turned = vectors.T @ (wanted / scale)
-    if not np.abs(turned[~told]).max(initial=0.0) <= 1e-6 * np.linalg.norm(turned):
-        return None
-    solution = vectors[:, told] @ (turned[told] / values[told]) / scale
-    return np.asarray(weight * (columns @ solution))
-
-
-def _between_parallels(laid: LaidPiece) -> Iterator[Dimension]:
+def _between_parallels(laid: LaidPoints) -> Iterator[Dimension]:
     """Yield distances of neighbouring levels of parallel straight sides, and of the outermost."""
     for group in _parallel_groups(laid):
         ends = {(group[0], group[-1])} if len(group) > 2 else set()
@@ -134,7 +55,7 @@ def _between_parallels(laid: LaidPiece) -> Iterator[Dimension]:
                 yield dimension
 
 
-def _parallel_groups(laid: LaidPiece) -> list[list[int]]:
+def _parallel_groups(laid: LaidPoints) -> list[list[int]]:
     """Return straight sides that were seen, those parallel together, sorted by level."""
     faces = laid.piece.faces
     groups: list[list[int]] = []
@@ -153,7 +74,7 @@ def _parallel_groups(laid: LaidPiece) -> list[list[int]]:
     return groups
 
 
-def _straight_seen(laid: LaidPiece) -> list[int]:
+def _straight_seen(laid: LaidPoints) -> list[int]:
     return [
         index
         for index, face in enumerate(laid.piece.faces)
@@ -161,26 +82,26 @@ def _straight_seen(laid: LaidPiece) -> list[int]:
     ]
 
 
-def _height(laid: LaidPiece, one: int, other: int) -> Dimension | None:
+def _height(laid: LaidPoints, one: int, other: int) -> Dimension | None:
     """Return the distance of two parallel sides, their direction by all of the piece."""
     first, second = laid.piece.faces[one], laid.piece.faces[other]
     # Along the normal of the first; the second's points out the same way, or against it.
     apart = float(first.normal @ (second.start_mm - first.start_mm))
     same = float(np.sign(first.normal @ second.normal))
     sign = -1.0 if apart < 0.0 else 1.0
-    gradient = _gradient_of(_moving(laid, [one, other]), sign * np.array([-1.0, same]), laid)
+    gradient = gradient_of(_moving(laid, [one, other]), sign * np.array([-1.0, same]), laid)
     if gradient is None:
         return None
     what = "height" if same > 0.0 else "width"
-    return _told(f"{what} {one + 1}-{other + 1}", abs(apart), gradient, laid)
+    return told(f"{what} {one + 1}-{other + 1}", abs(apart), gradient, laid)
 
 
-def _moving(laid: LaidPiece, sides: Sequence[int]) -> FloatArray:
+def _moving(laid: LaidPoints, sides: Sequence[int]) -> FloatArray:
     """Return what each of some sides, moved out of the metal, does to the distances."""
     return np.asarray(laid.face[:, None] == np.array(sides), dtype=np.float64)
 
 
-def _between_corners(laid: LaidPiece) -> Iterator[Dimension]:
+def _between_corners(laid: LaidPoints) -> Iterator[Dimension]:
     """Yield distances of neighbouring corners, and of the outermost.
 
     A corner is where two straight sides cross; the edge itself is not looked at.
@@ -202,7 +123,7 @@ def _between_corners(laid: LaidPiece) -> Iterator[Dimension]:
             yield dimension
 
 
-def _width(laid: LaidPiece, one: int, other: int) -> Dimension | None:
+def _width(laid: LaidPoints, one: int, other: int) -> Dimension | None:
     """Return the distance of the corners at the ends of two sides."""
     step = laid.piece.faces[other].end_mm - laid.piece.faces[one].end_mm
     distance = float(np.linalg.norm(step))
@@ -214,13 +135,13 @@ def _width(laid: LaidPiece, one: int, other: int) -> Dimension | None:
         share = np.linalg.solve(normals.T, step / distance)
         for side, part in zip((corner, corner + 1), share, strict=True):
             wanted[sides.index(side)] += sign * part
-    gradient = _gradient_of(_moving(laid, sides), wanted, laid)
+    gradient = gradient_of(_moving(laid, sides), wanted, laid)
     if gradient is None:
         return None
-    return _told(f"corner {one + 1}-{other + 1}", distance, gradient, laid)
+    return told(f"corner {one + 1}-{other + 1}", distance, gradient, laid)
 
 
-def _angles(laid: LaidPiece) -> Iterator[Dimension]:
+def _angles(laid: LaidPoints) -> Iterator[Dimension]:
     """Yield the angles of straight sides with the next: what the end of the shorter is off, mm."""
     seen = _straight_seen(laid)
     faces = laid.piece.faces
@@ -230,41 +151,43 @@ def _angles(laid: LaidPiece) -> Iterator[Dimension]:
         arm = min(faces[one].length_mm, faces[other].length_mm)
         moving = _moving(laid, [one, other])
         columns = np.column_stack([moving, moving * (laid.along_mm / arm)[:, None]])
-        gradient = _gradient_of(columns, np.array([0.0, 0.0, -1.0, 1.0]), laid)
+        gradient = gradient_of(columns, np.array([0.0, 0.0, -1.0, 1.0]), laid)
         if gradient is not None:
-            yield _told(f"angle {one + 1}-{other + 1}", 0.0, gradient, laid)
+            yield told(f"angle {one + 1}-{other + 1}", 0.0, gradient, laid)
 
 
-def _radii(laid: LaidPiece) -> Iterator[Dimension]:
+def _radii(laid: LaidPoints) -> Iterator[Dimension]:
     """Yield radii of the round sides of which enough is seen."""
     for index, face in enumerate(laid.piece.faces):
         if face.centre_mm is None or laid.seen_mm[index] < _WIDEST_ARC_RAD * face.radius_mm:
             continue
         on = (laid.face == index)[:, None]
         columns = np.where(on, np.column_stack([laid.normal, np.ones(len(laid))]), 0.0)
-        gradient = _gradient_of(columns, np.array([0.0, 0.0, 1.0]), laid)
+        gradient = gradient_of(columns, np.array([0.0, 0.0, face.side]), laid)
         if gradient is not None:
-            yield _told(f"radius {index + 1}", face.radius_mm, face.side * gradient, laid)
+            yield told(f"radius {index + 1}", face.radius_mm, gradient, laid)
 
 
-def _size(laid: LaidPiece) -> Iterator[Dimension]:
+def _size(laid: LaidPoints) -> Iterator[Dimension]:
     """Yield the size of all that is seen, every point taken: the scale of the sensor."""
     arm = laid.points_mm - laid.points_mm.mean(axis=0)
     size = float(np.linalg.norm(np.ptp(laid.points_mm, axis=0)))
     growing = (arm * laid.normal).sum(axis=1) / size
-    gradient = _gradient_of(growing[:, None], np.ones(1), laid)
+    gradient = gradient_of(growing[:, None], np.ones(1), laid)
     if gradient is not None:
-        yield _told("size", size, gradient, laid)
+        yield told("size", size, gradient, laid)
 
 
-def hidden_faces(laid: LaidPiece) -> list[int]:
-    """Return the sides that face the camera, and of whose inner part less than half is seen."""
-    # The sheet's origin is the camera's foot on it.
-    camera = laid.pose.to_piece(np.zeros((1, 2)))[0]
+def hidden_faces(laid: LaidPoints, cameras_mm: FloatArray) -> list[int]:
+    """Return the sides that face a camera, and of whose inner part less than half is seen.
+
+    The cameras' places in the piece's frame have shape (K, 2).
+    """
     return [
         index
         for index, face in enumerate(laid.piece.faces)
-        if _faces(face, camera) and laid.seen_mm[index] < 0.5 * _inner_mm(face)
+        if any(_faces(face, camera) for camera in cameras_mm)
+        and laid.seen_mm[index] < 0.5 * _inner_mm(face)
     ]
 
 

@@ -1,6 +1,6 @@
 """The sides of a reference piece: straight or round, from one edge to the next."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Self
 
 import numpy as np
@@ -24,6 +24,10 @@ class PieceFace:
         Shape (2,), of a round side; None of a straight one.
     sweep_rad
         Angle from start to end about the centre, counterclockwise positive; 0 of a straight side.
+    tangent
+        Shape (2,), unit, from the start to the end.
+    normal
+        Shape (2,), unit, out of the metal of a straight side.
 
     Raises
     ------
@@ -35,6 +39,8 @@ class PieceFace:
     end_mm: FloatArray
     centre_mm: FloatArray | None = None
     sweep_rad: float = 0.0
+    tangent: FloatArray = field(init=False, repr=False)
+    normal: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("start_mm", "end_mm"):
@@ -44,6 +50,10 @@ class PieceFace:
                 f"two corners at ({self.start_mm[0]:g}, {self.start_mm[1]:g}) mm; allowed: "
                 "corners that differ"
             )
+        chord = self.end_mm - self.start_mm
+        along = chord / np.linalg.norm(chord)
+        object.__setattr__(self, "tangent", frozen(along, (2,), "tangent"))
+        object.__setattr__(self, "normal", frozen([-along[1], along[0]], (2,), "normal"))
 
     @classmethod
     def through(cls, start_mm: FloatArray, middle_mm: FloatArray, end_mm: FloatArray) -> Self:
@@ -86,17 +96,6 @@ class PieceFace:
         if self.centre_mm is None:
             return float(np.linalg.norm(self.end_mm - self.start_mm))
         return abs(self.sweep_rad) * self.radius_mm
-
-    @property
-    def tangent(self) -> FloatArray:
-        """Unit direction from the start to the end, shape (2,)."""
-        chord = self.end_mm - self.start_mm
-        return np.asarray(chord / np.linalg.norm(chord))
-
-    @property
-    def normal(self) -> FloatArray:
-        """Unit direction out of the metal, of a straight side, shape (2,)."""
-        return np.array([-self.tangent[1], self.tangent[0]])
 
     def place(self, points_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return how far along the side, and how far out of the metal, points lie, (N,) each."""

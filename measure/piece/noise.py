@@ -39,8 +39,7 @@ def scatter_of(
         Shape (N,), length of profile that a pixel along the stripe shows.
     terms
         Of the polynomial that a side follows where the sensor or the piece is off a little, one
-        for each side of the piece: two of a straight side, which is turned, three of a round one,
-        whose radius is another.
+        for each side of the piece (`Piece.terms`).
 
     Notes
     -----

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Literal
 
 from scipy.stats import norm
 
@@ -19,6 +20,7 @@ WELCOME = {
     "radius": "too little of a round side is seen to tell its radius",
     "place": "the piece slides along itself unseen, and its place is no witness",
     "turn": "the piece is too short to tell a turn",
+    "twist": "the piece is too small to tell a twist of one sensor about its length",
 }
 """Kinds of dimension that are judged only where they are told well, and what it means if not."""
 _OF_THE_HOLDER = ("place", "turn")
@@ -74,6 +76,8 @@ class PieceReading:
         Where it lies on the sheet; None where it could not be read.
     reason
         Why nothing could be read; empty where something could.
+    sensor
+        Which of a rig's sensors took it; empty of one alone.
     """
 
     name: str
@@ -81,6 +85,26 @@ class PieceReading:
     rms_mm: float = float("nan")
     place: PiecePlace | None = None
     reason: str = ""
+    sensor: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PiecePower:
+    """The least drift of one kind that would be found in 95 % of such checks.
+
+    Attributes
+    ----------
+    name
+        What drifts, as the deviation that shows it is named.
+    found_from
+        How far, in the unit.
+    unit
+        Of it.
+    """
+
+    name: str
+    found_from: float
+    unit: Literal["mm", "rad"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +126,8 @@ class PieceJudgement:
         Every picture.
     notes
         What could not be told, and is not needed for the verdict.
+    powers
+        Of a rig: which drifts of its sensors against each other would be found.
     """
 
     verdict: PieceVerdict
@@ -111,6 +137,11 @@ class PieceJudgement:
     coverage_factor: float
     readings: tuple[PieceReading, ...]
     notes: tuple[str, ...] = ()
+    powers: tuple[PiecePower, ...] = ()
+
+    def with_powers(self, powers: Sequence[PiecePower]) -> "PieceJudgement":
+        """Return the same judgement with the drifts that it would have found."""
+        return replace(self, powers=tuple(powers))
 
 
 @dataclass(frozen=True, slots=True)

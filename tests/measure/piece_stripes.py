@@ -62,7 +62,7 @@ def stripe_on(
     from_edges = np.linalg.norm(profile[facing][index][:, None] - piece.corners_mm, axis=2)
     off = off + bleed_px * (from_edges.min(axis=1) < 1.0)
     other_centre, other_normal = _lines(rng, clutter)
-    return _stripe(
+    return points_with_noise(
         np.concatenate([centre[index] + off[:, None] * normal[index], other_centre]),
         np.concatenate([normal[index], other_normal]),
     )
@@ -86,7 +86,8 @@ def _lines(rng, count):
     return centres, normals
 
 
-def _stripe(centre_px, normal):
+def points_with_noise(centre_px, normal):
+    """Points of a stripe as located, scattered already."""
     count = len(centre_px)
     return StripePoints(
         centre_px=centre_px,
