@@ -10,7 +10,7 @@ from measure.errors import (
 )
 from measure.gauging.levels import EN_15313, GaugeLevels
 from measure.grouping import each_wheel, group_into_wheels
-from measure.limits import PRESETS, Limit, Limits
+from measure.limits import BACK_TO_BACK_TSI, PRESETS, Limit, Limits
 from measure.mounting import Mounting, Survey
 from measure.piece import (
     Piece,
@@ -18,10 +18,16 @@ from measure.piece import (
     PieceFace,
     PieceJudgement,
     PiecePlace,
+    PiecePower,
     PieceReading,
     PieceVerdict,
+    RigFromPiece,
+    RigMotion,
     judge_piece,
+    judge_piece_on_rig,
+    rig_from_piece,
 )
+from measure.place import TreadPoint, WheelPlace
 from measure.profile import Profile
 from measure.profiles.gauged import gauge_profile
 from measure.profiles.miniprof import MiniProfText, ascii_fields, format_miniprof, parse_miniprof
@@ -34,8 +40,9 @@ from measure.profiles.new_wheel import (
     reference_of_new_wheels,
 )
 from measure.profiles.text import parse_profile_csv, parse_profile_text
-from measure.quantities import Alarm, Quantity, Reading, Status
+from measure.quantities import OF_A_PROFILE, Alarm, Quantity, Reading, Status
 from measure.reference import ReferenceProfile
+from measure.shot import MAX_SKEW_S, Shot, WheelFrame, each_shot, group_into_shots
 from measure.train import (
     COMPARED,
     Axle,
@@ -56,8 +63,6 @@ from measure.train import (
     jump_between,
     spread,
 )
-from measure.place import TreadPoint, WheelPlace
-from measure.shot import MAX_SKEW_S, Shot, WheelFrame, each_shot, group_into_shots
 from measure.wheel import (
     SensorShare,
     WheelQuality,
@@ -65,16 +70,27 @@ from measure.wheel import (
     measure_wheel,
     measure_wheel_on_rig,
 )
+from measure.wheelset import (
+    BackToBack,
+    Diameter,
+    TrackFrame,
+    back_to_back,
+    wheel_diameter,
+)
 
 __all__ = [
+    "BACK_TO_BACK_TSI",
     "REFERENCE_STEP_MM",
     "REFERENCE_WINDOW_MM",
     "COMPARED",
     "EN_15313",
     "NOMINAL",
+    "OF_A_PROFILE",
     "PRESETS",
     "Alarm",
     "Axle",
+    "BackToBack",
+    "Diameter",
     "Difference",
     "GaugeLevels",
     "Jump",
@@ -92,6 +108,7 @@ __all__ = [
     "PieceInvalid",
     "PieceJudgement",
     "PiecePlace",
+    "PiecePower",
     "PieceReading",
     "PieceVerdict",
     "Placing",
@@ -103,11 +120,14 @@ __all__ = [
     "ReferenceInvalid",
     "ReferenceProfile",
     "ReferenceUnknown",
+    "RigFromPiece",
+    "RigMotion",
     "SeenWheel",
     "Side",
     "Spread",
     "Status",
     "Track",
+    "TrackFrame",
     "Trend",
     "TrendPoint",
     "WheelFrame",
@@ -116,6 +136,7 @@ __all__ = [
     "WheelReadings",
     "ascii_fields",
     "assemble_train",
+    "back_to_back",
     "difference",
     "each_wheel",
     "fit_trend",
@@ -123,6 +144,7 @@ __all__ = [
     "gauge_profile",
     "group_into_wheels",
     "judge_piece",
+    "judge_piece_on_rig",
     "jump_between",
     "measure_wheel",
     "measure_wheel_on_rig",
@@ -138,5 +160,7 @@ __all__ = [
     "parse_profile_text",
     "reference_of_new_wheels",
     "reference_profile",
+    "rig_from_piece",
     "spread",
+    "wheel_diameter",
 ]

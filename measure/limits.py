@@ -114,6 +114,10 @@ _PRACTICE = {
     Quantity.HOLLOW_DEPTH: Limit(high_mm=2.0),
 }
 
+BACK_TO_BACK_TSI = Limit(1357.0, 1363.0, warn_within_mm=0.0)
+"""Between the flange backs of an axle, in service on 1435 mm gauge, wheels over 840 mm in diameter
+(of 760 to 840 mm: from 1358; below: from 1359). Wear does not change it: no end is the worn one."""
+
 PRESETS: Mapping[str, Limits] = MappingProxyType({
     "practice": Limits("practice", _PRACTICE),
     "tsi": Limits("tsi", _TSI),

@@ -46,6 +46,8 @@ class WheelPlace:
     treads
         Where the sheets met the tape circle, of each sensor that saw it. Their shared causes and
         those of the flange back are the same in all places of one wheel, in the same columns.
+    back_at_mm
+        Shape (2,), rig (x, z) of where the flange back was seen; None where that is not said.
     """
 
     time_ns: int | None

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from calib import Rig
+from calib import FloatArray, Rig
 from measure.gauging.curve import Found
-from measure.gauging.uncertainty import root_of
+from measure.gauging.uncertainty import Budget, root_of
 from measure.laying.by_axle import Laid
 from measure.merging.causes import motion_by_rig
 from measure.merging.merged import Merged
@@ -35,13 +35,34 @@ def place_of(
     return WheelPlace(
         time_ns=time_ns,
         back_mm=back.estimate.value if seen else None,
-        back=merged.motions.budget(back.estimate, back.blind_mm) if seen else None,
+        back=_back_budget(merged, back, survey) if seen else None,
         treads=tuple(
             point
             for part in merged.parts
             if (point := _tread_point(part, merged, rig, survey)) is not None
         ),
+        back_at_mm=_back_at_mm(merged, back) if seen else None,
     )
+
+
+def _back_budget(merged: Merged, back: Found, survey: Survey) -> Budget:
+    """Return what is not known of the flange back's place in the rig.
+
+    The motions of one sensor by itself do not hold its vibration: no reading suffers from it, but
+    the place does.
+    """
+    budget = merged.motions.budget(back.estimate, back.blind_mm)
+    vibration = survey.sigma_vibration_mm / np.sqrt(2.0) if len(merged.parts) == 1 else 0.0
+    return Budget(float(np.hypot(budget.single_mm, vibration)), budget.shared_mm)
+
+
+def _back_at_mm(merged: Merged, back: Found) -> FloatArray:
+    """Return rig (x, z) of the flange back, of the sensor that told most of it."""
+    told = np.bincount(merged.part, np.abs(back.estimate.gradient[:, 0]))
+    part = merged.parts[int(np.argmax(told))]
+    nearest = int(np.argmin(np.abs(part.section.points_mm[:, 0] - back.estimate.value)))
+    in_rig = part.sensor.rig_from_camera.apply(part.sheet.points_in_cam_mm[[nearest]])
+    return np.asarray(in_rig[0, [0, 2]])
 
 
 def _tread_point(part: Laid, merged: Merged, rig: Rig, survey: Survey) -> TreadPoint | None:

@@ -19,6 +19,7 @@ from measure.quantities import Quantity, Reading, Status
 from measure.reading import ShotReadings, Value, read_shot
 from measure.reference import ReferenceProfile
 from measure.shot import Shot, WheelFrame
+from measure.wheelset import Diameter, wheel_diameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +106,8 @@ class WheelReadings:
         Why nothing could be measured; None where something was.
     places
         Where it stood, at each shot that gave readings.
+    diameter
+        What these say of its diameter, or why they say nothing; None without a survey.
     """
 
     readings: Mapping[Quantity, Reading]
@@ -112,6 +115,7 @@ class WheelReadings:
     quality: WheelQuality
     reason: str | None
     places: tuple[WheelPlace, ...] = ()
+    diameter: Diameter | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", MappingProxyType(dict(self.readings)))
@@ -226,12 +230,17 @@ def _measure(
         quantity: _reading(quantity, *value, limits) if value is not None else Reading.missing()
         for quantity, value in joined.items()
     }
+    places = tuple(shot.place for shot in seen.values())
+    diameter = wheel_diameter(places, survey) if survey is not None else None
+    if diameter is not None:
+        readings[Quantity.DIAMETER] = diameter.reading(limits)
     return WheelReadings(
         readings=readings,
         profile=_profile(seen[best], rig, reference),
         quality=_quality(seen, best, unmeasured, rig),
         reason=None,
-        places=tuple(shot.place for shot in seen.values()),
+        places=places,
+        diameter=diameter,
     )
 
 

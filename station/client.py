@@ -76,8 +76,13 @@ class StationClient:
         body = {"sensor": sensor, "target": target}
         return self._call("PUT", f"/v1/calibration-sessions/{_part(session_id)}", body)
 
+    def open_rig_session(self, session_id: str, *, rig: str, targets: Mapping[str, str]) -> Answer:
+        """Have all sensors of a rig wait for pictures, each of its own target."""
+        body = {"rig": rig, "target": next(iter(targets.values())), "targets": dict(targets)}
+        return self._call("PUT", f"/v1/calibration-sessions/{_part(session_id)}", body)
+
     def capture(self, session_id: str) -> Answer:
-        """Take one picture of the target."""
+        """Take one picture of the target with each sensor of the session."""
         return self._call("POST", f"/v1/calibration-sessions/{_part(session_id)}/capture")
 
     def finish_calibration_session(self, session_id: str) -> Answer:
@@ -91,18 +96,31 @@ class StationClient:
         self._await(f"/v1/jobs/{_part(ordered['job'])}", timeout_s)
         return self._call("GET", f"/v1/calibrations/{_part(ordered['id'])}")
 
+    def calibrate_rig(
+        self, *, rig: str, session: str, board_sigma_mm: float, timeout_s: float
+    ) -> Answer:
+        """Have a rig calibrated from a session, wait, and return the calibration."""
+        body = {"rig": rig, "session": session, "board_sigma_mm": board_sigma_mm}
+        ordered = self._call("POST", "/v1/rig-calibrations", body)
+        self._await(f"/v1/jobs/{_part(ordered['job'])}", timeout_s)
+        return self._call("GET", f"/v1/rig-calibrations/{_part(ordered['id'])}")
+
     def calibration_points(self, calibration_id: str) -> str:
         """Return points.csv of a calibration."""
         return self._send("GET", f"/v1/calibrations/{_part(calibration_id)}/points").text
 
     def activate(self, *, sensor: str, calibration: str) -> Answer:
         """Bring a first calibration into force on a sensor."""
-        return self._call(
-            "PUT",
-            f"/v1/sensors/{_part(sensor)}/active-calibration",
-            {"calibration": calibration},
-            headers={"If-None-Match": "*"},
-        )
+        return self._activate(f"/v1/sensors/{_part(sensor)}", calibration)
+
+    def activate_rig(self, *, rig: str, calibration: str) -> Answer:
+        """Bring a first calibration into force on a rig."""
+        return self._activate(f"/v1/rigs/{_part(rig)}", calibration)
+
+    def _activate(self, path: str, calibration: str) -> Answer:
+        body = {"calibration": calibration}
+        headers = {"If-None-Match": "*"}
+        return self._call("PUT", f"{path}/active-calibration", body, headers)
 
     def _await(self, path: str, timeout_s: float) -> Answer:
         deadline = time.monotonic() + timeout_s

@@ -10,6 +10,7 @@ COMPARED = (
     Quantity.FLANGE_THICKNESS_10,
     Quantity.FLANGE_GRADIENT_QR,
     Quantity.TREAD_WEAR,
+    Quantity.DIAMETER,
 )
 """What is compared between wheels."""
 _ORDER = (Status.OK, Status.EXTRAPOLATED, Status.REFERENCE_ASSUMED)

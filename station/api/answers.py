@@ -14,6 +14,8 @@ from station.store import (
     JobState,
     PassState,
     Recording,
+    RigActivation,
+    RigCalibration,
     SessionState,
 )
 
@@ -35,6 +37,8 @@ class RecordingModel(Out):
     closed_at: datetime | None
     calibration: str | None
     """The calibration in force when it was recorded."""
+    rig_calibration: str | None
+    """That of its rig."""
     expected: int | None
     """Frames the controller counted triggers for."""
     recorded: int | None
@@ -53,9 +57,11 @@ class RecordingModel(Out):
 
     @classmethod
     def of(cls, row: Recording) -> Self:
+        same = cls.model_fields.keys() - {"calibration", "rig_calibration"}
         return cls(
             calibration=row.calibration_id,
-            **{name: getattr(row, name) for name in cls.model_fields.keys() - {"calibration"}},
+            rig_calibration=row.rig_calibration_id,
+            **{name: getattr(row, name) for name in same},
         )
 
 
@@ -98,8 +104,12 @@ class SessionModel(Out):
 
     id: str
     state: SessionState
-    sensor: str
+    sensor: str | None
+    rig: str | None
+    """In place of a sensor: all of its sensors take pictures."""
     target: str
+    targets: dict[str, str] | None
+    """Of single sensors of a rig."""
     pictures: int
     opened_at: datetime
     finished_at: datetime | None
@@ -113,7 +123,9 @@ class SessionModel(Out):
             id=row.id,
             state=row.state,
             sensor=row.sensor,
+            rig=row.rig,
             target=row.target,
+            targets=row.targets,
             pictures=row.pictures,
             opened_at=row.opened_at,
             finished_at=row.finished_at,
@@ -187,6 +199,58 @@ class CalibrationModel(Out):
         )
 
 
+class RigCalibrationModel(Out):
+    """A calibration of a rig."""
+
+    id: str
+    state: CalibrationState
+    rig: str
+    ordered: dict[str, Any] | None
+    """What it is solved from; null of an uploaded one."""
+    created_at: datetime
+    reason: str | None
+    """Why there is none, where it failed."""
+    job: str | None
+    passed: bool | None
+    """Whether its figures keep the limits."""
+    document: dict[str, Any] | None
+    """rig.json."""
+
+    @classmethod
+    def of(cls, row: RigCalibration, document: dict[str, Any] | None) -> Self:
+        return cls(
+            id=row.id,
+            state=row.state,
+            rig=row.rig,
+            ordered=row.ordered,
+            created_at=row.created_at,
+            reason=row.reason,
+            job=row.job_id,
+            passed=row.passed,
+            document=document,
+        )
+
+
+class RigActivationModel(Out):
+    """The calibration in force on a rig."""
+
+    rig: str
+    calibration: str
+    version: int
+    activated_at: datetime
+    activated_by: str
+
+    @classmethod
+    def of(cls, row: RigActivation) -> Self:
+        return cls(
+            rig=row.rig,
+            calibration=row.rig_calibration_id,
+            version=row.version,
+            activated_at=row.activated_at,
+            activated_by=row.activated_by,
+        )
+
+
 class ActivationModel(Out):
     """The calibration in force on a sensor."""
 
@@ -217,6 +281,21 @@ class SensorModel(Out):
     """What its capture process says, or `unreachable`."""
     problem: str | None
     active_calibration: str | None
+    alarm: str | None
+    """Why its calibration may measure wrongly, as its last recalibration found."""
+    asks: str | None
+    """The recalibration that waits for a person."""
+
+
+class RigModel(Out):
+    """Sensors that look at the same wheel."""
+
+    id: str
+    side: str
+    sensors: list[str]
+    anchor: str
+    """The sensor whose mounting places it."""
+    active_calibration: str | None
 
 
 class StationModel(Out):
@@ -226,6 +305,7 @@ class StationModel(Out):
     software: str
     reference: str
     sensors: list[SensorModel]
+    rigs: list[RigModel]
     pass_in_progress: str | None
     worker_ready: bool
     disk_free_bytes: int

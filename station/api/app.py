@@ -1,19 +1,23 @@
 """Assembling the API."""
 
 from collections.abc import Callable
+from typing import Any
 
 from fastapi import FastAPI
 
+from station.api.bodies import Bodies
+from station.api.contract import contract_of
 from station.api.gate import Gate
 from station.api.guard import Guard
+from station.api.idempotency import Idempotency
 from station.api.metrics import Metrics
 from station.api.parts import Parts
 from station.api.problems import PROBLEMS, answer_with_problems
 from station.api.routes import ROUTERS
 from station.api.watch import Watch
-from station.operations import Passes, Sessions, Station
+from station.operations import Passes, Sessions, Station, Uploads
 
-API_VERSION = "1.1.0"
+API_VERSION = "1.2.0"
 
 
 def build_app(
@@ -26,7 +30,32 @@ def build_app(
     InputUnusable
         If `admin_key` is too short.
     """
-    metrics, gate = Metrics(station), Gate(station, admin_key)
+    metrics, gate, uploads = Metrics(station), Gate(station, admin_key), Uploads(station)
+    uploads.take_up()
+    app = _with_routes()
+    app.state.parts = Parts(
+        station=station,
+        passes=Passes(station),
+        sessions=Sessions(station),
+        uploads=uploads,
+        metrics=metrics,
+        worker_ready=worker_ready,
+    )
+    answer_with_problems(app)
+    # The last one added is the first a call meets.
+    app.add_middleware(Idempotency, station=station)
+    app.add_middleware(Bodies, web=station.settings.web)
+    app.add_middleware(Guard, gate=gate)
+    app.add_middleware(Watch, metrics=metrics)
+    return app
+
+
+def contract() -> dict[str, Any]:
+    """Return the contract of the API, which is the same for every station, as OpenAPI."""
+    return contract_of(_with_routes())
+
+
+def _with_routes() -> FastAPI:
     app = FastAPI(
         title="Treadline station",
         version=API_VERSION,
@@ -36,16 +65,6 @@ def build_app(
         redoc_url=None,
         openapi_url=None,
     )
-    app.state.parts = Parts(
-        station=station,
-        passes=Passes(station),
-        sessions=Sessions(station),
-        metrics=metrics,
-        worker_ready=worker_ready,
-    )
-    answer_with_problems(app)
-    app.add_middleware(Guard, gate=gate)
-    app.add_middleware(Watch, metrics=metrics)
     for router in ROUTERS:
         app.include_router(router, responses=PROBLEMS)
     return app

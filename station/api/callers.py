@@ -37,3 +37,4 @@ def needs(scope: Scope) -> Callable[..., Caller]:
 Reader = Annotated[Caller, Depends(needs(Scope.READ))]
 Operator = Annotated[Caller, Depends(needs(Scope.OPERATE))]
 Calibrator = Annotated[Caller, Depends(needs(Scope.CALIBRATE))]
+Administrator = Annotated[Caller, Depends(needs(Scope.ADMIN))]

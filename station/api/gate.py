@@ -1,10 +1,29 @@
 """Which keys are good."""
 
 import secrets
+from collections import OrderedDict
+from datetime import datetime
+from threading import Lock
 
+import structlog
+from sqlalchemy.exc import SQLAlchemyError
+
+from station.api.refusals import TooManyBadKeys
+from station.api.throttle import Throttle
 from station.errors import KeyRefused
 from station.operations import Station
-from station.store import Caller, Scope, caller_of, digest, ensure_unguessable
+from station.store import (
+    Caller,
+    Scope,
+    caller_of,
+    digest,
+    ensure_unguessable,
+    note_use,
+    used_lately,
+)
+
+_MOST_KNOWN = 256
+_log = structlog.get_logger()
 
 
 class Gate:
@@ -26,21 +45,61 @@ class Gate:
             ensure_unguessable(admin_key)
         self._station = station
         self._admin_sha256 = None if admin_key is None else digest(admin_key)
+        web = station.settings.web
+        self._throttle = Throttle(allowance=web.bad_keys, refill_s=web.bad_key_every_s)
+        self._known: OrderedDict[str, None] = OrderedDict()
+        """Digests of keys that were good when they came last."""
+        self._lock = Lock()
 
-    def admit(self, key: str) -> Caller:
+    def admit(self, key: str, address: str) -> Caller:
         """Return whose key it is.
+
+        A key that was good before is looked up even where others of the address were bad: behind
+        one address may be many.
 
         Raises
         ------
+        TooManyBadKeys
+            If the address tried too many keys that are none.
         KeyRefused
             If it is nobody's, expired or revoked.
         """
-        if self._admin_sha256 is not None and secrets.compare_digest(
-            digest(key), self._admin_sha256
-        ):
-            return Caller("environment", frozenset({Scope.ADMIN}))
-        with self._station.store.look() as session:
-            caller = caller_of(session, key, at=self._station.now())
+        sha256 = digest(key)
+        wait_s = self._throttle.wait_s(address)
+        if wait_s > 0 and sha256 not in self._known:
+            raise TooManyBadKeys(
+                f"too many bad keys from {address}; try again in {wait_s} s with a good one",
+                retry_after_s=wait_s,
+            )
+        caller = self._caller(key, sha256)
+        self._remember(sha256, good=caller is not None)
         if caller is None:
+            self._throttle.note_bad_key(address)
             raise KeyRefused("the station does not accept this key; ask its administrator for one")
         return caller
+
+    def _caller(self, key: str, sha256: str) -> Caller | None:
+        if self._admin_sha256 is not None and secrets.compare_digest(sha256, self._admin_sha256):
+            return Caller("environment", frozenset({Scope.ADMIN}))
+        store, now = self._station.store, self._station.now()
+        with store.look() as session:
+            caller = caller_of(session, key, at=now)
+        if caller is not None and not used_lately(caller, at=now):
+            self._note_use(caller, now)
+        return caller
+
+    def _note_use(self, caller: Caller, now: datetime) -> None:
+        try:
+            with self._station.store.change() as session:
+                note_use(session, caller, at=now)
+        except SQLAlchemyError as error:
+            # A full disk must not close the station to those who could look what is the matter.
+            _log.warning("use of a key not noted", key=caller.key_id, why=type(error).__name__)
+
+    def _remember(self, sha256: str, *, good: bool) -> None:
+        with self._lock:
+            self._known.pop(sha256, None)
+            if good:
+                self._known[sha256] = None
+                if len(self._known) > _MOST_KNOWN:
+                    self._known.popitem(last=False)

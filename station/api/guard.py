@@ -1,5 +1,7 @@
 """Nothing but health is reached without a key: not a route, not a body, not even a 404."""
 
+import base64
+import binascii
 from typing import Final
 
 from fastapi.concurrency import run_in_threadpool
@@ -12,6 +14,14 @@ from station.errors import KeyRefused
 from station.store import Caller
 
 OPEN: Final = frozenset({"/healthz", "/readyz"})
+PAGES: Final = frozenset({"/docs", "/openapi.json"})
+"""For people with a browser, which asks for a name and a password: the key is the password.
+
+Only for these, which change nothing: a browser sends what it was told with every later call to the
+station, also one that a page of somebody else makes.
+"""
+_ASK_A_PERSON: Final = 'Bearer, Basic realm="Treadline: any name, a key as the password"'
+_NO_KEY: Final = "this call needs a key; send it as `Authorization: Bearer KEY`"
 
 
 class Guard:
@@ -26,15 +36,40 @@ class Guard:
             await self._app(scope, receive, send)
             return
         try:
-            caller = await run_in_threadpool(self._caller, Headers(scope=scope))
+            caller = await run_in_threadpool(self._caller, scope)
         except KeyRefused as error:
-            await problem_answer(scope["path"], error)(scope, receive, send)
+            answer = problem_answer(scope["path"], error)
+            if scope["path"] in PAGES and answer.status_code == 401:
+                answer.headers["WWW-Authenticate"] = _ASK_A_PERSON
+            await answer(scope, receive, send)
             return
         scope.setdefault("state", {})["caller"] = caller
         await self._app(scope, receive, send)
 
-    def _caller(self, headers: Headers) -> Caller:
-        scheme, _, key = headers.get("Authorization", "").partition(" ")
-        if scheme.lower() != "bearer" or not key:
-            raise KeyRefused("this call needs a key; send it as `Authorization: Bearer KEY`")
-        return self._gate.admit(key.strip())
+    def _caller(self, scope: Scope) -> Caller:
+        given = Headers(scope=scope).getlist("Authorization")
+        if len(given) > 1:
+            raise KeyRefused("two Authorization headers; send one")
+        scheme, _, credentials = "".join(given).partition(" ")
+        key = credentials.strip()
+        if scheme.lower() == "basic" and scope["path"] in PAGES:
+            key = _password_in(key)
+        elif scheme.lower() != "bearer":
+            key = ""
+        if not key:
+            raise KeyRefused(_NO_KEY)
+        host, _ = scope.get("client") or ("nowhere", 0)
+        return self._gate.admit(key, host)
+
+
+def _password_in(credentials: str) -> str:
+    """Return the password of HTTP Basic credentials; empty where they are none.
+
+    >>> _password_in("YW5ib2R5OnRsXzFfMg==")
+    'tl_1_2'
+    """
+    try:
+        text = base64.b64decode(credentials, validate=True).decode()
+    except (binascii.Error, ValueError):
+        return ""
+    return text.partition(":")[2]

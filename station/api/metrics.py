@@ -8,6 +8,7 @@ from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
 from station.api.capture_metrics import CaptureCollector
+from station.api.recalibration_metrics import RecalibrationCollector
 from station.operations import Station
 from station.store import Job, Pass, counts_by_state, frame_totals
 
@@ -55,6 +56,7 @@ class Metrics:
         self._registry = CollectorRegistry()
         self._registry.register(_StoreCollector(station))
         self._registry.register(CaptureCollector(station))
+        self._registry.register(RecalibrationCollector(station))
         self._answered = Counter(
             "station_http_requests",
             "Requests answered.",

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from station.api.metrics import Metrics
-from station.operations import Passes, Sessions, Station
+from station.operations import Passes, Sessions, Station, Uploads
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +17,7 @@ class Parts:
     station: Station
     passes: Passes
     sessions: Sessions
+    uploads: Uploads
     metrics: Metrics
     worker_ready: Callable[[], bool]
 

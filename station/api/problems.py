@@ -9,10 +9,13 @@ from starlette.exceptions import HTTPException
 
 from calib import CalibError
 from station import errors
+from station.api import refusals
 
 _log = structlog.get_logger()
 _MEDIA_TYPE = "application/problem+json"
-_RETRY_AFTER_S = 5
+_CAMERA_BACK_S = 5
+_MOST_LINES = 5
+_LONGEST_LINE = 300
 
 STATUS_OF: dict[type[Exception], int] = {
     CalibError: 422,
@@ -29,6 +32,11 @@ STATUS_OF: dict[type[Exception], int] = {
     errors.StationError: 500,
     errors.VersionConflict: 412,
     errors.VersionMissing: 428,
+    refusals.BodyRefused: 400,
+    refusals.BodyTooLarge: 413,
+    refusals.BodyTooSlow: 408,
+    refusals.IdempotencyKeyReused: 422,
+    refusals.TooManyBadKeys: 429,
 }
 
 
@@ -79,12 +87,18 @@ def problem_answer(path: str, error: Exception) -> JSONResponse:
         name=type(error).__name__,
         detail=str(error),
         state=getattr(error, "state", None),
+        retry_after_s=getattr(error, "retry_after_s", None),
     )
 
 
 async def _answer_invalid(request: Request, error: Exception) -> JSONResponse:
     found = error.errors() if isinstance(error, RequestValidationError) else []
-    lines = [f"{'.'.join(str(part) for part in each['loc'])}: {each['msg']}" for each in found]
+    lines = [
+        f"{'.'.join(str(part) for part in each['loc'])}: {each['msg']}"[:_LONGEST_LINE]
+        for each in found[:_MOST_LINES]
+    ]
+    if len(found) > _MOST_LINES:
+        lines.append(f"and {len(found) - _MOST_LINES} more")
     return _answer(request.url.path, status=422, name="RequestInvalid", detail="; ".join(lines))
 
 
@@ -110,7 +124,13 @@ async def _answer_unknown(request: Request, error: Exception) -> JSONResponse:
 
 
 def _answer(
-    path: str, *, status: int, name: str, detail: str, state: str | None = None
+    path: str,
+    *,
+    status: int,
+    name: str,
+    detail: str,
+    state: str | None = None,
+    retry_after_s: int | None = None,
 ) -> JSONResponse:
     problem = Problem(
         type=f"urn:treadline:problem:{name}",
@@ -120,12 +140,15 @@ def _answer(
         instance=path,
         state=state,
     )
-    headers = {401: {"WWW-Authenticate": "Bearer"}, 503: {"Retry-After": str(_RETRY_AFTER_S)}}
+    headers = {"WWW-Authenticate": "Bearer"} if status == 401 else {}
+    wait_s = _CAMERA_BACK_S if status == 503 else retry_after_s
+    if wait_s is not None:
+        headers["Retry-After"] = str(wait_s)
     return JSONResponse(
         problem.model_dump(exclude_none=True),
         status_code=status,
         media_type=_MEDIA_TYPE,
-        headers=headers.get(status),
+        headers=headers,
     )
 
 

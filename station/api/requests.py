@@ -5,6 +5,7 @@ from typing import Annotated
 from fastapi import Path, Query
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
+from station.documents import BOARD_SIGMA_MM
 from station.operations import MethodName
 from station.settings import SensorId
 from station.trains import Consist, Named, Orientation, Wheelset
@@ -19,10 +20,15 @@ WheelsetInPath = Annotated[
 IdInPath = Annotated[
     str, Path(pattern=_ID_PATTERN, description="Letters, digits, . _ and -, at most 64.")
 ]
+RigInPath = Annotated[str, Path(pattern=r"^[a-z0-9][a-z0-9_-]{0,31}$")]
 RecordingInPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,127}$")]
 SensorInPath = Annotated[str, Path(pattern=r"^[a-z0-9][a-z0-9_-]{0,31}$")]
 Limit = Annotated[int, Query(ge=1, le=1000, description="Rows of a page at most.")]
+TargetGiven = Annotated[str, StringConstraints(max_length=64)]
 Count = Annotated[int, Field(ge=0, le=100_000)]
+# Some databases hold no NUL, and no page shows the others.
+_PRINTABLE = r"^[^\x00-\x1f\x7f]*$"
+Label = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=_PRINTABLE)]
 
 
 class _In(BaseModel):
@@ -33,9 +39,9 @@ class WheelsetRequest(_In):
     """A wheelset of a train."""
 
     wheelset: WheelsetId
-    vehicle: Annotated[str, StringConstraints(min_length=1, max_length=64)] | None = None
+    vehicle: Label | None = None
     """The vehicle it is under: its wheels are compared with each other."""
-    position: Annotated[str, StringConstraints(min_length=1, max_length=64)] | None = None
+    position: Label | None = None
     """Its place in the vehicle."""
     orientation: Orientation = Orientation.FORWARD
     """Whether its left wheel runs on the train's left, or it runs turned about."""
@@ -64,7 +70,7 @@ class _WithConsist(_In):
 class PassRequest(_WithConsist):
     """A train comes."""
 
-    train: Annotated[str, StringConstraints(max_length=128)] | None = None
+    train: Annotated[str, StringConstraints(max_length=128, pattern=_PRINTABLE)] | None = None
     """What the controller calls the train."""
 
 
@@ -78,11 +84,15 @@ class FinishRequest(_WithConsist):
 
 
 class SessionRequest(_In):
-    """Pictures for a calibration are to be taken."""
+    """Pictures for a calibration are to be taken, by a sensor or by all of a rig."""
 
-    sensor: SensorId
-    target: Annotated[str, StringConstraints(max_length=64)]
+    sensor: SensorId | None = None
+    rig: SensorId | None = None
+    """In place of a sensor: a picture is then taken by each of its sensors."""
+    target: TargetGiven
     """For example dots:7x8:12, or chessboard:9x6:5."""
+    targets: dict[SensorId, TargetGiven] = Field(default_factory=dict, max_length=16)
+    """Targets of single sensors of a rig, where they see another board."""
 
 
 class CalibrationRequest(_In):
@@ -92,10 +102,26 @@ class CalibrationRequest(_In):
     method: MethodName = "joint"
     session: CallersId | None = None
     recordings: tuple[RecordingName, ...] = Field(default=(), max_length=64)
-    target: Annotated[str, StringConstraints(max_length=64)] | None = None
+    target: TargetGiven | None = None
     """Absent: the session's."""
     laser_off: tuple[RecordingName, ...] = Field(default=(), max_length=64)
     """Recordings of the same poses without laser."""
+
+
+class RigCalibrationRequest(_In):
+    """A rig is to be calibrated from a session, or from a recording of each of its sensors."""
+
+    rig: SensorId
+    session: CallersId | None = None
+    recordings: dict[SensorId, RecordingName] = Field(default_factory=dict, max_length=16)
+    target: TargetGiven | None = None
+    """Absent: the session's."""
+    targets: dict[SensorId, TargetGiven] = Field(default_factory=dict, max_length=16)
+    """Targets of single sensors, where they see another board."""
+    same_board: bool = False
+    """Whether it is one board that all sensors see, not one each, rigidly joined."""
+    board_sigma_mm: float = Field(default=BOARD_SIGMA_MM, gt=0.0, le=1.0)
+    """How far each dot is from its place on the board, one sigma, mm."""
 
 
 class ActivationRequest(_In):

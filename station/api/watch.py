@@ -14,11 +14,14 @@ from station.api.metrics import Metrics
 _log = structlog.get_logger()
 _HEADERS: Final = {
     "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Cross-Origin-Resource-Policy": "same-origin",
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
     "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; "
-    "frame-ancestors 'none'",
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
 }
+_STAY_ENCRYPTED: Final = ("Strict-Transport-Security", "max-age=31536000")
 
 
 class Watch:
@@ -42,6 +45,8 @@ class Watch:
                 headers["X-Request-Id"] = request_id
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
+                if scope["scheme"] == "https":
+                    headers.setdefault(*_STAY_ENCRYPTED)
             await send(message)
 
         with structlog.contextvars.bound_contextvars(request=request_id):

@@ -6,7 +6,7 @@ from typing import Any, Self
 from station.api.answers import Out
 from station.api.train_answers import TrainModel
 from station.operations import PassWheels
-from station.store import AxleWheel, Measurement, PassState
+from station.store import AxleWheel, JsonObject, Measurement, PassState
 
 
 class MeasurementModel(Out):
@@ -18,16 +18,23 @@ class MeasurementModel(Out):
     sensor: str
     pass_id: str | None
     calibration: str
+    rig_calibration: str | None
+    """The rig's, of a wheel that several sensors saw; `sensor` then names the rig."""
     reference: str
     software: str
     measured_at: datetime
     regime: str | None
     """Whose limits raised the alarms."""
     wheel: dict[str, Any]
-    """A row of `wheels` of results.json."""
+    """A row of `wheels` of results.json; its profile where it was asked for."""
 
     @classmethod
-    def of(cls, row: Measurement, axle: AxleWheel | None = None) -> Self:
+    def of(
+        cls,
+        row: Measurement,
+        axle: AxleWheel | None = None,
+        profile: JsonObject | None = None,
+    ) -> Self:
         return cls(
             id=row.id,
             recording=row.recording_id,
@@ -35,15 +42,22 @@ class MeasurementModel(Out):
             sensor=row.sensor,
             pass_id=row.pass_id,
             calibration=row.calibration_id,
+            rig_calibration=row.rig_calibration_id,
             reference=row.reference,
             software=row.software,
             measured_at=row.measured_at,
             regime=row.regime,
-            wheel=row.wheel if axle is None else row.wheel | _place_of(axle),
+            wheel=row.wheel | _place_of(axle) | _profile(profile),
         )
 
 
-def _place_of(axle: AxleWheel) -> dict[str, Any]:
+def _profile(profile: JsonObject | None) -> JsonObject:
+    return {} if profile is None else {"profile": profile}
+
+
+def _place_of(axle: AxleWheel | None) -> JsonObject:
+    if axle is None:
+        return {}
     names = {"side": axle.side, "placing": axle.placing, "wheelset": axle.wheelset}
     return {"axle": axle.number, **names}
 

@@ -19,6 +19,7 @@ from station.bench.paper import bench_paper
 from station.bench.piece import bench_piece
 from station.bench.piece_u95 import bench_piece_u95
 from station.bench.pose_sets import bench_pose_sets
+from station.bench.rig_calibration import bench_rig_calibration
 from station.bench.stripe import bench_stripe, bench_stripe_sigma
 from station.bench.sweeps import bench_sweeps
 from station.progress import Progress
@@ -46,6 +47,7 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
     "paper": (bench_paper,),
     "piece": (bench_piece, bench_piece_u95),
     "deviations": (bench_deviations,),
+    "rig-calibration": (bench_rig_calibration,),
     "calibration": (bench_sweeps, bench_pose_sets, bench_solving, bench_solvers),
     "stripe": (bench_stripe, bench_stripe_sigma),
 }
@@ -65,6 +67,7 @@ __all__ = [
     "bench_piece_u95",
     "bench_pose_sets",
     "bench_profiles",
+    "bench_rig_calibration",
     "bench_rolling",
     "bench_solvers",
     "bench_solving",

@@ -19,7 +19,7 @@ from calib import (
     sheet_difference_mm,
 )
 from station.demo import working_field_px
-from station.pipeline import Exposure, Shot, map_on_all_cores, observe_group
+from station.pipeline import Exposure, PoseShot, map_on_all_cores, observe_group
 from station.progress import Progress
 from station.scenes import Light, TargetScene, paper_sensor, target_scenes
 from station.tables import Table, Value
@@ -91,7 +91,7 @@ def _observe(task: _Task) -> SeenPose:
     rng = np.random.default_rng(noise_seed)
     light = {True: scene.light_counts(), False: replace(scene, laser_on=False).light_counts()}
     shots = {
-        taken: Shot(
+        taken: PoseShot(
             f"exposure {taken[0]:g}, laser {taken[1]}",
             scene.physics.detector.expose(light[taken[1]], rng, taken[0]),
             Exposure(taken[0] * _LONG_US, 0.0, laser=taken[1], group=1),
@@ -102,7 +102,7 @@ def _observe(task: _Task) -> SeenPose:
     return SeenPose(scene.cam_from_board, views)
 
 
-def _seen(shots: Sequence[Shot]) -> View | None:
+def _seen(shots: Sequence[PoseShot]) -> View | None:
     try:
         return observe_group(shots, TARGET)
     except CalibError:

@@ -9,9 +9,15 @@ from measure import MeasureError, Piece
 from station.cli.options import CalibrationPath, Sources
 from station.cli.output import AsJson, emit, progress_bar
 from station.cli.verdict import Limit
-from station.documents import CalibrationDocument, PieceCheck, PieceDocument
+from station.documents import (
+    CalibrationDocument,
+    PieceCheck,
+    PieceDocument,
+    PiecePictureDocument,
+    RigDocument,
+)
 from station.errors import InputUnusable, NothingMeasurable
-from station.pipeline import check_piece
+from station.pipeline import check_piece, check_piece_on_rig
 
 LaserOff = Annotated[
     list[Path] | None,
@@ -32,10 +38,21 @@ Since = Annotated[
 
 def piece(
     sources: Sources,
-    calibration: CalibrationPath,
     piece: Annotated[
         Path, typer.Option("--piece", metavar="FILE", help="piece.json: its certified profile.")
     ],
+    calibration: Annotated[
+        Path | None,
+        typer.Option("--calibration", metavar="FILE", help="calibration.json of the sensor."),
+    ] = None,
+    rig: Annotated[
+        Path | None,
+        typer.Option(
+            "--rig",
+            metavar="FILE",
+            help="rig.json: all its sensors saw the piece, one SOURCE each.",
+        ),
+    ] = None,
     limit: Limit = None,
     laser_off: LaserOff = None,
     temperature: Temperature = None,
@@ -43,21 +60,40 @@ def piece(
     out: Out = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure a reference piece and hold it against its certificate."""
+    """Measure a reference piece, by one sensor or a whole rig, and hold it to its certificate."""
     known = PieceDocument.read(piece).piece()
-    document = CalibrationDocument.read(calibration)
     earlier = None if since is None else PieceCheck.read(since)
     with progress_bar("piece") as progress:
-        check = check_piece(
-            sources,
-            document,
-            known,
-            laser_off=laser_off or (),
-            limit_mm=limit,
-            temperature_c=temperature,
-            since=earlier,
-            progress=progress,
-        )
+        if rig is not None and calibration is None:
+            if earlier is not None:
+                raise InputUnusable(
+                    "--since compares places on one sheet, a rig has several; leave it out, or "
+                    "give --calibration and the pictures of one sensor"
+                )
+            check = check_piece_on_rig(
+                sources,
+                RigDocument.read(rig),
+                known,
+                laser_off=laser_off or (),
+                limit_mm=limit,
+                temperature_c=temperature,
+                progress=progress,
+            )
+        elif calibration is not None and rig is None:
+            check = check_piece(
+                sources,
+                CalibrationDocument.read(calibration),
+                known,
+                laser_off=laser_off or (),
+                limit_mm=limit,
+                temperature_c=temperature,
+                since=earlier,
+                progress=progress,
+            )
+        else:
+            raise InputUnusable(
+                "give --calibration of one sensor, or --rig of several that saw the piece together"
+            )
     _answer(check, out, as_json=as_json)
 
 
@@ -101,12 +137,7 @@ def _answer(check: PieceCheck, out: Path | None, *, as_json: bool) -> None:
 
 
 def _lines(check: PieceCheck) -> list[str]:
-    lines = [
-        f"left out {picture.name}: {picture.reason}"
-        if picture.reason
-        else f"{picture.name}: {picture.points} points, {picture.rms_mm:.4f} mm RMS"
-        for picture in check.pictures
-    ]
+    lines = [_of_picture(picture) for picture in check.pictures]
     if check.deviations:
         lines.append(f"{'':14} {'certified':>10} {'found':>10} {'off':>9} {'u95':>8}  mm")
     lines += [
@@ -120,9 +151,17 @@ def _lines(check: PieceCheck) -> list[str]:
             f"profile: {len(check.profile)} parts, the farthest, {worst.certified:.1f} mm along "
             f"it, off by {worst.off:+.4f} +- {worst.u95:.4f} mm"
         )
+    lines += [f"{one.name}: found from {one.found_from:.2g} {one.unit}" for one in check.powers]
     lines += check.notes
     lines.append(
         f"{check.verdict.value}: {check.reason} (allowed: {check.coverage_factor:.2f} u95"
         + (f", or {check.limit_mm:g} mm)" if check.limit_mm is not None else ")")
     )
     return lines
+
+
+def _of_picture(picture: PiecePictureDocument) -> str:
+    name = f"{picture.name} {picture.sensor}" if picture.sensor else picture.name
+    if picture.reason:
+        return f"left out {name}: {picture.reason}"
+    return f"{name}: {picture.points} points, {picture.rms_mm:.4f} mm RMS"

@@ -32,8 +32,11 @@ COMMANDS: dict[str, tuple[str, str]] = {
 GROUPS: dict[str, str] = {
     "camera": "station.cli.camera",
     "recording": "station.cli.recording",
+    "rig": "station.cli.rig",
     "evaluate": "station.cli.evaluate",
     "reference": "station.cli.reference",
+    "keys": "station.cli.keys",
+    "api": "station.cli.api",
 }
 
 

@@ -22,12 +22,28 @@ TargetText = Annotated[
 CalibrationPath = Annotated[
     Path, typer.Option("--calibration", metavar="FILE", help="calibration.json of the sensor.")
 ]
-CalibrationPaths = Annotated[
-    list[Path],
+OptionalTargets = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--target",
+        metavar="TARGET",
+        help="The board, as dots:ROWSxCOLS:PITCH_MM; once for all sensors, or once for each.",
+    ),
+]
+OptionalCalibrations = Annotated[
+    list[Path] | None,
     typer.Option(
         "--calibration",
         metavar="FILE",
         help="calibration.json of the sensor; once for each sensor of a pass.",
+    ),
+]
+RigPaths = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--rig",
+        metavar="FILE",
+        help="rig.json of sensors that look at the same wheel; once for each rig of a pass.",
     ),
 ]
 SensorOption = Annotated[

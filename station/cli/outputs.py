@@ -117,6 +117,11 @@ def sides_known(
     return {side.value: side for side in Side if side.value in names}
 
 
+def skews_known(config: Path | None) -> dict[str, float]:
+    """Return how far frames of one shot may be apart, us, of the rigs in a station's settings."""
+    return {} if config is None else {rig.id: rig.max_skew_us for rig in load_settings(config).rigs}
+
+
 def refuse_same_file(outputs: Outputs, inputs: Sequence[Path]) -> None:
     """Refuse to write over what is read.
 

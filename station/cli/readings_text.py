@@ -12,6 +12,7 @@ _SHOWN = (
     Quantity.FLANGE_GRADIENT_QR,
     Quantity.TREAD_WEAR,
 )
+_WHERE_TOLD = (Quantity.DIAMETER,)
 _SHORT = {
     Quantity.FLANGE_HEIGHT: "Sh",
     Quantity.FLANGE_THICKNESS_10: "Sd",
@@ -33,7 +34,9 @@ def _lines(wheel: WheelDocument) -> Iterator[str]:
     if wheel.reason is not None:
         yield f"{where}: not measured: {wheel.reason}"
         return
-    shown = (f"{name.value} {_shown(wheel.readings[name])}" for name in _SHOWN)
+    # The rule is a rig that tells no diameter: that it is missing is no news.
+    told = [name for name in _WHERE_TOLD if wheel.readings[name].value is not None]
+    shown = (f"{name.value} {_shown(wheel.readings[name])}" for name in (*_SHOWN, *told))
     yield f"{where}: {', '.join(shown)}"
     alarms = [
         f"{name.value} {reading.alarm.value}"
@@ -42,8 +45,17 @@ def _lines(wheel: WheelDocument) -> Iterator[str]:
     ]
     if alarms:
         yield f"{where}: {', '.join(alarms)}"
+    silent = _silent_sensors(wheel)
+    if silent:
+        yield f"{where}: without {'; '.join(silent)}"
     if wheel.header is not None and wheel.header.claimed:
         yield f"{where}: {_beside_header(wheel, wheel.header.claimed)}"
+
+
+def _silent_sensors(wheel: WheelDocument) -> list[str]:
+    """Return the sensors of a rig that gave no point, and why."""
+    shares = wheel.quality.get("by_sensor", {})
+    return [f"{name} ({share['reason']})" for name, share in shares.items() if share["reason"]]
 
 
 def _where(wheel: WheelDocument) -> str:

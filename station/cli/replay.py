@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from station.cli.options import CalibrationPaths, Reference
+from station.cli.options import OptionalCalibrations, Reference, RigPaths
 from station.cli.output import AsJson, emit, progress_bar
-from station.cli.outputs import Config, limits_in_force, sides_known
-from station.documents import CalibrationDocument
-from station.errors import NothingMeasurable
+from station.cli.outputs import Config, limits_in_force, sides_known, skews_known
+from station.documents import CalibrationDocument, RigDocument
+from station.errors import InputUnusable, NothingMeasurable
 from station.replay import ReplayReport, replay_recordings
 
 
@@ -18,28 +18,35 @@ def replay(
         list[Path],
         typer.Argument(metavar="FILE.mcap...", help="Recordings, of several sensors too."),
     ],
-    calibration: CalibrationPaths,
     out: Annotated[
         Path,
         typer.Option(metavar="FILE", help="Table to write: results.parquet, .csv or .json."),
     ],
+    calibration: OptionalCalibrations = None,
+    rig: RigPaths = None,
     reference: Reference = "S1002",
     config: Config = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure recordings again, a row a wheel: the same readings as when they were made.
 
-    With a calibration of each of several sensors the wheels of a pass stand axle for axle.
+    With rigs, or a calibration of each of several sensors, the wheels of a pass stand axle for
+    axle.
     """
-    calibrations = [CalibrationDocument.read(path) for path in calibration]
+    calibrations = [CalibrationDocument.read(path) for path in calibration or ()]
+    rigs = [RigDocument.read(path) for path in rig or ()]
+    if not (calibrations or rigs):
+        raise InputUnusable("nothing to measure with; give --calibration of the sensor, or --rig")
     with progress_bar("replay") as progress:
         report = replay_recordings(
             files,
             calibrations,
             out,
+            rigs=rigs,
             reference=reference,
             limits=limits_in_force(config),
             sides=sides_known(config, calibrations),
+            max_skew_us=skews_known(config),
             progress=progress,
         )
     emit(report.to_json(), _text(report), as_json=as_json)

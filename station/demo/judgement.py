@@ -1,15 +1,15 @@
 """How far the station's answers are from the truth of the scenario."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from calib import FloatArray, LaserSensor, pixel_grid, sheet_difference_mm
 from measure import Quantity
-from station.demo.scenario import SensorTruth
-from station.documents import CalibrationDocument, WheelDocument
+from station.demo.scenario import RigTruth, SensorTruth
+from station.documents import CalibrationDocument, RigDocument, WheelDocument
 
 JUDGED = (
     Quantity.FLANGE_HEIGHT,
@@ -19,6 +19,7 @@ JUDGED = (
     Quantity.TREAD_WEAR,
 )
 _WORKING_DEPTHS_MM = (400.0, 600.0)
+_GAP_MM = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,15 +46,39 @@ class PlaneJudgement:
 
 
 @dataclass(frozen=True, slots=True)
-class WheelJudgement:
-    """One wheel: read and true values, mm; a value that is missing is None."""
+class RigJudgement:
+    """One rig beside the truth.
 
-    sensor: str
+    Attributes
+    ----------
+    places_rms_mm
+        Root mean square of how far the places that pixels of all its sensors show are wrong to
+        each other: what is left after moving them all as one.
+    showings_used
+        Showings of the target that it rests on.
+    """
+
+    rig: str
+    places_rms_mm: float
+    showings_used: int
+
+
+@dataclass(frozen=True, slots=True)
+class WheelJudgement:
+    """One wheel: read and true values, mm; a value that is missing is None.
+
+    Attributes
+    ----------
+    seen_mm
+        The parts of the profile that each sensor gave, as stretches of d, from and to.
+    """
+
+    rig: str
     axle: int
-    method: str
     read: dict[str, float | None]
     u95: dict[str, float | None]
     true: dict[str, float]
+    seen_mm: dict[str, list[tuple[float, float]]]
     reason: str | None
 
 
@@ -73,6 +98,30 @@ def judge_plane(truth: SensorTruth, document: CalibrationDocument) -> PlaneJudge
     )
 
 
+def judge_rig(truth: RigTruth, document: RigDocument) -> RigJudgement:
+    """Hold a rig against the true one, over the fields at working distance."""
+    rig = document.to_rig()
+    solved, true = [], []
+    for sensor in truth.sensors:
+        field_px = working_field_px(sensor.sensor)
+        solved.append(rig[sensor.id].locate(field_px))
+        true.append(sensor.rig_from_camera.apply(sensor.sensor.locate(field_px)))
+    left_mm = _moved_onto(np.concatenate(solved), np.concatenate(true)) - np.concatenate(true)
+    return RigJudgement(
+        rig=truth.id,
+        places_rms_mm=root_mean_square(np.linalg.norm(left_mm, axis=1)),
+        showings_used=int(document.quality["showings_used"].value or 0),
+    )
+
+
+def _moved_onto(points_mm: FloatArray, wanted_mm: FloatArray) -> FloatArray:
+    """Return points after the rigid motion that brings them nearest to others, shape (N, 3)."""
+    middle, wanted_middle = points_mm.mean(axis=0), wanted_mm.mean(axis=0)
+    u, _, vt = np.linalg.svd((wanted_mm - wanted_middle).T @ (points_mm - middle))
+    turn = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    return np.asarray((points_mm - middle) @ turn.T + wanted_middle)
+
+
 def working_field_px(sensor: LaserSensor) -> FloatArray:
     """Return pixels over the part of the picture where the sheet is at working distance."""
     pixels = pixel_grid(sensor.camera.width, sensor.camera.height)
@@ -81,26 +130,44 @@ def working_field_px(sensor: LaserSensor) -> FloatArray:
     return np.asarray(pixels[at_work])
 
 
-def judge_wheels(
-    truth: SensorTruth, method: str, wheels: Sequence[WheelDocument]
-) -> list[WheelJudgement]:
-    """Hold the wheels of a sensor, in the order they came by, against the true ones."""
+def judge_wheels(truth: RigTruth, wheels: Sequence[WheelDocument]) -> list[WheelJudgement]:
+    """Hold the wheels of a rig, in the order they came by, against the true ones."""
     judged = []
     for axle, true in enumerate(truth.wheels):
         wheel = wheels[axle] if axle < len(wheels) else None
         readings = wheel.readings if wheel is not None else {}
         judged.append(
             WheelJudgement(
-                sensor=truth.id,
+                rig=truth.id,
                 axle=axle + 1,
-                method=method,
                 read={q.value: readings[q].value if wheel else None for q in JUDGED},
                 u95={q.value: readings[q].u95 if wheel else None for q in JUDGED},
                 true={q.value: getattr(true.readings, q.value) for q in JUDGED},
-                reason=wheel.reason if wheel is not None else "no such wheel in the recording",
+                seen_mm=_seen_mm(wheel) if wheel is not None else {},
+                reason=wheel.reason if wheel is not None else "no such wheel in the recordings",
             )
         )
     return judged
+
+
+def _seen_mm(wheel: WheelDocument) -> dict[str, list[tuple[float, float]]]:
+    """Return the stretches of the profile that each sensor gave."""
+    profile = wheel.profile
+    if profile is None or profile.seen_by is None:
+        return {}
+    places: Mapping[str, list[float]] = {name: [] for name in profile.sensors}
+    for point, d_mm in enumerate(profile.d_mm):
+        for name in profile.seen_by_names(point):
+            places[name].append(d_mm)
+    return {name: _stretches(np.array(d_mm)) for name, d_mm in places.items()}
+
+
+def _stretches(d_mm: FloatArray) -> list[tuple[float, float]]:
+    """Return the ends of runs of places, in order, without gaps."""
+    if len(d_mm) == 0:
+        return []
+    runs = np.split(d_mm, np.flatnonzero(np.diff(d_mm) > _GAP_MM) + 1)
+    return [(float(run[0]), float(run[-1])) for run in runs]
 
 
 def reading_rms_mm(wheels: Iterable[WheelJudgement], quantity: str) -> float | None:

@@ -1,10 +1,8 @@
 """The demo's answer for people: measured beside true."""
 
-from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from calib import Method
 from station.demo.judgement import JUDGED, WheelJudgement, reading_rms_mm
 from station.demo.run import DemoResult
 from station.tables import Table, Value
@@ -17,20 +15,24 @@ def as_data(result: DemoResult) -> dict[str, Any]:
         "good": result.good,
         "frames": [asdict(account) for account in result.frames],
         "planes": [asdict(plane) for plane in result.planes],
+        "rigs": [asdict(rig) for rig in result.rigs],
         "wheels": [asdict(wheel) for wheel in result.wheels],
         "rms_mm": {
-            method.value: {
-                quantity.value: reading_rms_mm(_of(result, method), quantity.value)
-                for quantity in JUDGED
-            }
-            for method in Method
+            quantity.value: reading_rms_mm(result.wheels, quantity.value) for quantity in JUDGED
         },
     }
 
 
 def as_text(result: DemoResult) -> str:
     """Return the tables that a person reads."""
-    tables = [_frames(result), _planes(result), _wheels(result), _errors(result)]
+    tables = [
+        _frames(result),
+        _planes(result),
+        _rigs(result),
+        _wheels(result),
+        _parts(result),
+        _errors(result),
+    ]
     return "\n\n".join(table.as_markdown() for table in tables)
 
 
@@ -54,16 +56,53 @@ def _planes(result: DemoResult) -> Table:
     return Table("Light planes beside the truth", rows)
 
 
+def _rigs(result: DemoResult) -> Table:
+    rows: list[dict[str, Value]] = [
+        {
+            "rig": rig.rig,
+            "places off to each other, mm RMS": rig.places_rms_mm,
+            "showings used": rig.showings_used,
+        }
+        for rig in result.rigs
+    ]
+    return Table("Rigs beside the truth", rows)
+
+
 def _wheels(result: DemoResult) -> Table:
     rows: list[dict[str, Value]] = [
         {
-            "wheel": f"{wheel.sensor} {wheel.axle}",
+            "wheel": _name(wheel),
             **{quantity.value: _beside(wheel, quantity.value) for quantity in JUDGED},
         }
-        for wheel in _of(result, Method.JOINT)
+        for wheel in result.wheels
     ]
     note = "Calibrated by joint; u95 is the half-width of the 95 % interval."
     return Table("Wheels: read ± u95 (true), mm", rows, (note,))
+
+
+def _parts(result: DemoResult) -> Table:
+    rows: list[dict[str, Value]] = [
+        {
+            "wheel": _name(wheel),
+            "sensor": sensor,
+            "part of the profile": ", ".join(f"{low:z.0f} to {high:z.0f}" for low, high in parts),
+        }
+        for wheel in result.wheels
+        for sensor, parts in wheel.seen_mm.items()
+    ]
+    note = "The flange back is at 0, the tip near 15, the face near 30, the tape circle at 70."
+    return Table("Which sensor saw what, mm from the flange back", rows, (note,))
+
+
+def _errors(result: DemoResult) -> Table:
+    row: dict[str, Value] = {
+        q.value: _shown(reading_rms_mm(result.wheels, q.value)) for q in JUDGED
+    }
+    return Table("Error of the readings, mm RMS over all wheels", [row])
+
+
+def _name(wheel: WheelJudgement) -> str:
+    return f"{wheel.rig} {wheel.axle}"
 
 
 def _beside(wheel: WheelJudgement, quantity: str) -> str:
@@ -72,20 +111,5 @@ def _beside(wheel: WheelJudgement, quantity: str) -> str:
     return f"{read} ({wheel.true[quantity]:.3f})"
 
 
-def _errors(result: DemoResult) -> Table:
-    rows: list[dict[str, Value]] = [
-        {
-            "method": method.value,
-            **{q.value: _shown(reading_rms_mm(_of(result, method), q.value)) for q in JUDGED},
-        }
-        for method in Method
-    ]
-    return Table("Error of the readings, mm RMS over all wheels", rows)
-
-
 def _shown(rms_mm: float | None) -> str:
     return "a wheel is missing" if rms_mm is None else f"{rms_mm:.4f}"
-
-
-def _of(result: DemoResult, method: Method) -> Sequence[WheelJudgement]:
-    return [wheel for wheel in result.wheels if wheel.method == method]

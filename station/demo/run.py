@@ -1,6 +1,6 @@
 """The demo from the first rendered picture to the last reading, through the station's own doors."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -9,14 +9,33 @@ from pathlib import Path
 
 from calib import Method
 from station.client import Answer, StationClient
-from station.demo.judgement import PlaneJudgement, WheelJudgement, judge_plane, judge_wheels
+from station.demo.judgement import (
+    PlaneJudgement,
+    RigJudgement,
+    WheelJudgement,
+    judge_plane,
+    judge_rig,
+    judge_wheels,
+)
 from station.demo.rendering import frames_path, render_scenario
-from station.demo.scenario import AXLES, REFERENCE, TARGET, Scenario, SensorTruth
+from station.demo.scenario import (
+    AXLES,
+    BOARD_SIGMA_MM,
+    REFERENCE,
+    SHOWINGS,
+    RigTruth,
+    Scenario,
+    SensorTruth,
+)
 from station.demo.trackside import await_ready, cameras_of, roll_train_by, station_of
-from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
+from station.documents import (
+    CalibrationDocument,
+    MeasurementDocument,
+    RigDocument,
+    WheelDocument,
+)
 from station.errors import StationError
-from station.operations import DataLayout
-from station.pipeline import calibrate_sources, measure_sources
+from station.pipeline import calibrate_sources
 from station.progress import Progress
 from station.simulated import SimulatedCameraProcess
 
@@ -45,6 +64,7 @@ class DemoResult:
     seed: int
     frames: tuple[FrameAccount, ...]
     planes: tuple[PlaneJudgement, ...]
+    rigs: tuple[RigJudgement, ...]
     wheels: tuple[WheelJudgement, ...]
 
     @property
@@ -56,12 +76,17 @@ class DemoResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
-    """What the station found for one sensor."""
+class Calibrated:
+    """What the station found for one rig before the train came.
 
-    document: CalibrationDocument
-    points_csv: str
-    results: MeasurementDocument
+    Attributes
+    ----------
+    sensors
+        The answers for its sensors' own calibrations, by sensor.
+    """
+
+    sensors: Mapping[str, Answer]
+    rig: RigDocument
 
 
 def run_demo(folder: Path, seed: int, progress: Progress) -> DemoResult:
@@ -75,148 +100,172 @@ def run_demo(folder: Path, seed: int, progress: Progress) -> DemoResult:
     scenario = Scenario.draw(seed)
     with station_of(scenario, folder) as station:
         for done, total in render_scenario(scenario, folder):
-            progress(0.25 * done / total, f"rendering picture {done} of {total}")
+            progress(0.3 * done / total, f"rendering picture {done} of {total}")
         with (
             cameras_of(scenario, folder) as cameras,
             StationClient.connect(station.url, station.key) as client,
         ):
-            progress(0.28, "waiting for the station")
+            progress(0.3, "waiting for the station")
             await_ready(station, client)
-            accounts, answers = _calibrate_all(scenario, client, progress)
-            accounts += _record_train(scenario, client, cameras, progress)
-            kept = _keep(client, answers)
-            progress(0.88, "stopping the station")
+            accounts = _show_target(scenario, client, progress)
+            calibrated = _calibrate_all(scenario, client, progress)
+            accounts += _record_train(client, cameras, progress)
+            planes = _planes(scenario, folder, client, calibrated, progress)
+            wheels = _wheels(scenario, folder, client, calibrated)
+            progress(0.98, "stopping the station")
             station.stop()  # before its cameras go dark
     for truth in scenario.sensors:
         frames_path(folder, truth.id).unlink()
-    return _judge(scenario, folder, accounts, kept, progress)
+    rigs = [judge_rig(rig, calibrated[rig.id].rig) for rig in scenario.rigs]
+    return DemoResult(seed, tuple(accounts), tuple(planes), tuple(rigs), tuple(wheels))
+
+
+def _show_target(
+    scenario: Scenario, client: StationClient, progress: Progress
+) -> list[FrameAccount]:
+    """Show the target to both rigs at once, all their sensors taking pictures."""
+    taken = count(1)
+
+    def show(rig: RigTruth) -> list[FrameAccount]:
+        session = _session(rig)
+        targets = {truth.id: str(truth.target) for truth in rig.sensors}
+        client.open_rig_session(session, rig=rig.id, targets=targets)
+        for _ in range(SHOWINGS):
+            client.capture(session)
+            number, total = next(taken), SHOWINGS * len(scenario.rigs)
+            progress(0.3 + 0.15 * number / total, f"showing {number} of {total}")
+        closed = client.finish_calibration_session(session)
+        return _accounts(closed, {truth.id: SHOWINGS for truth in rig.sensors})
+
+    with ThreadPoolExecutor(len(scenario.rigs)) as pool:
+        return [account for found in pool.map(show, scenario.rigs) for account in found]
 
 
 def _calibrate_all(
     scenario: Scenario, client: StationClient, progress: Progress
-) -> tuple[list[FrameAccount], dict[str, Answer]]:
-    """Take the pictures and have them calibrated, all sensors at once; activate the answers."""
-    total = sum(len(truth.poses) for truth in scenario.sensors)
-    taken = count(1)
-
-    def took_one() -> None:
-        number = next(taken)
-        progress(0.3 + 0.2 * number / total, f"pose {number} of {total}, calibrating")
-
-    def calibrate(truth: SensorTruth) -> tuple[list[FrameAccount], Answer]:
-        accounts = _record_target(truth, client, took_one)
-        answer = client.calibrate(
-            sensor=truth.id,
-            session=_session(truth),
-            method=IN_FORCE,
-            timeout_s=_JOB_PATIENCE_S,
-        )
-        client.activate(sensor=truth.id, calibration=answer["id"])
-        return accounts, answer
-
-    with ThreadPoolExecutor(len(scenario.sensors)) as pool:
-        outcomes = list(pool.map(calibrate, scenario.sensors))
-    accounts = [account for found, _ in outcomes for account in found]
-    answers = [answer for _, answer in outcomes]
-    return accounts, {s.id: answer for s, answer in zip(scenario.sensors, answers, strict=True)}
+) -> dict[str, Calibrated]:
+    """Have each sensor calibrated, then each rig, from the same pictures; activate the answers."""
+    progress(0.45, "calibrating the sensors")
+    pairs = [(rig, truth) for rig in scenario.rigs for truth in rig.sensors]
+    with ThreadPoolExecutor(len(pairs)) as pool:
+        answers = list(pool.map(lambda pair: _calibrate_sensor(client, *pair), pairs))
+        own = {truth.id: answer for (_, truth), answer in zip(pairs, answers, strict=True)}
+        progress(0.6, "calibrating the rigs")
+        rigs = list(pool.map(lambda rig: _calibrate_rig(client, rig), scenario.rigs))
+    return {
+        rig.id: Calibrated({truth.id: own[truth.id] for truth in rig.sensors}, document)
+        for rig, document in zip(scenario.rigs, rigs, strict=True)
+    }
 
 
-def _record_target(
-    truth: SensorTruth, client: StationClient, took_one: Callable[[], None]
-) -> list[FrameAccount]:
-    session = _session(truth)
-    client.open_calibration_session(session, sensor=truth.id, target=str(TARGET))
-    for _ in truth.poses:
-        client.capture(session)
-        took_one()
-    closed = client.finish_calibration_session(session)
-    return _accounts(closed, {truth.id: len(truth.poses)})
+def _calibrate_sensor(client: StationClient, rig: RigTruth, truth: SensorTruth) -> Answer:
+    answer = client.calibrate(
+        sensor=truth.id, session=_session(rig), method=IN_FORCE, timeout_s=_JOB_PATIENCE_S
+    )
+    _ready(answer)
+    client.activate(sensor=truth.id, calibration=answer["id"])
+    return answer
+
+
+def _calibrate_rig(client: StationClient, rig: RigTruth) -> RigDocument:
+    answer = client.calibrate_rig(
+        rig=rig.id,
+        session=_session(rig),
+        board_sigma_mm=BOARD_SIGMA_MM,
+        timeout_s=_JOB_PATIENCE_S,
+    )
+    document = RigDocument.model_validate(_ready(answer))
+    client.activate_rig(rig=rig.id, calibration=answer["id"])
+    return document
 
 
 def _record_train(
-    scenario: Scenario,
-    client: StationClient,
-    cameras: dict[str, SimulatedCameraProcess],
-    progress: Progress,
+    client: StationClient, cameras: dict[str, SimulatedCameraProcess], progress: Progress
 ) -> list[FrameAccount]:
     progress(0.7, "train passing")
     client.arm_pass(PASS_ID, train="demo")
-    triggers = roll_train_by(scenario.sensors, cameras)
+    triggers = roll_train_by(cameras)
     closed = client.finish_pass(PASS_ID, triggers=triggers, axles=AXLES)
     progress(0.8, "measuring")
     client.await_pass(PASS_ID, timeout_s=_JOB_PATIENCE_S)
     return _accounts(closed, triggers)
 
 
-def _keep(client: StationClient, answers: Mapping[str, Answer]) -> dict[str, Kept]:
-    """Fetch what the station found: calibrations, their points, the wheels of the pass."""
+def _planes(
+    scenario: Scenario,
+    folder: Path,
+    client: StationClient,
+    calibrated: Mapping[str, Calibrated],
+    progress: Progress,
+) -> list[PlaneJudgement]:
+    """Judge the station's own calibrations, and the same points solved by the other methods."""
+    judged = []
+    for rig in scenario.rigs:
+        for truth in rig.sensors:
+            answer = calibrated[rig.id].sensors[truth.id]
+            points = folder / f"points-{truth.id}.csv"
+            points.write_text(client.calibration_points(answer["id"]), encoding="utf-8")
+            own = CalibrationDocument.model_validate(_ready(answer))
+            for method in Method:
+                progress(0.9, f"{truth.id}, {method}")
+                document = own if method is IN_FORCE else _solved(truth, own, method, points)
+                document.write(folder / f"calibration-{truth.id}-{method}.json")
+                judged.append(judge_plane(truth, document))
+    return judged
+
+
+def _solved(
+    truth: SensorTruth, own: CalibrationDocument, method: Method, points: Path
+) -> CalibrationDocument:
+    """Solve the points of a calibration by another method."""
+    return calibrate_sources(
+        [points],
+        truth.target,
+        sensor=truth.id,
+        size_px=(own.camera.width, own.camera.height),
+        method=method,
+        mounting=own.mounting.settings() if own.mounting else None,
+    ).document
+
+
+def _wheels(
+    scenario: Scenario,
+    folder: Path,
+    client: StationClient,
+    calibrated: Mapping[str, Calibrated],
+) -> list[WheelJudgement]:
+    """Fetch and judge the wheels of the pass, and keep them beside their rigs."""
     rows = client.wheels(PASS_ID)
-    kept = {}
-    for sensor_id, answer in answers.items():
-        document = _document(answer)
-        wheels = [row["wheel"] for row in rows if row["sensor"] == sensor_id]
+    judged = []
+    for rig in scenario.rigs:
+        document = calibrated[rig.id].rig
+        wheels = tuple(
+            WheelDocument.model_validate(row["wheel"]) for row in rows if row["sensor"] == rig.id
+        )
         results = MeasurementDocument(
             created=datetime.now(UTC),
             software=document.software,
-            calibration=document.fingerprint,
+            calibration=None,
+            calibrations=document.calibrations,
+            rigs={rig.id: document.fingerprint},
             reference=REFERENCE,
-            wheels=tuple(WheelDocument.model_validate(wheel) for wheel in wheels),
+            wheels=wheels,
         )
-        kept[sensor_id] = Kept(document, client.calibration_points(answer["id"]), results)
-    return kept
+        document.write(folder / f"rig-{rig.id}.json")
+        results.write(folder / f"results-{rig.id}.json")
+        judged += judge_wheels(rig, wheels)
+    return judged
 
 
-def _judge(
-    scenario: Scenario,
-    folder: Path,
-    accounts: list[FrameAccount],
-    kept: Mapping[str, Kept],
-    progress: Progress,
-) -> DemoResult:
-    planes, wheels = [], []
-    for truth in scenario.sensors:
-        for method in Method:
-            progress(0.9, f"{truth.id}, {method}")
-            document, results = _answers(truth, method, folder, kept[truth.id])
-            document.write(folder / f"calibration-{truth.id}-{method}.json")
-            results.write(folder / f"results-{truth.id}-{method}.json")
-            planes.append(judge_plane(truth, document))
-            wheels += judge_wheels(truth, method, results.wheels)
-    return DemoResult(scenario.seed, tuple(accounts), tuple(planes), tuple(wheels))
+def _session(rig: RigTruth) -> str:
+    return f"demo-{rig.id}"
 
 
-def _answers(
-    truth: SensorTruth, method: Method, folder: Path, kept: Kept
-) -> tuple[CalibrationDocument, MeasurementDocument]:
-    """Return the station's own answer, or solve the same points by another method and measure."""
-    if method is IN_FORCE:
-        return kept.document, kept.results
-    points = folder / f"points-{truth.id}.csv"
-    points.write_text(kept.points_csv, encoding="utf-8")
-    camera = kept.document.camera
-    document = calibrate_sources(
-        [points],
-        TARGET,
-        sensor=truth.id,
-        size_px=(camera.width, camera.height),
-        method=method,
-        mounting=kept.document.mounting.settings() if kept.document.mounting else None,
-    ).document
-    return document, measure_sources([_recording(truth, folder)], document)
-
-
-def _recording(truth: SensorTruth, folder: Path) -> Path:
-    return DataLayout(folder).root / DataLayout(folder).pass_recording(PASS_ID, truth.id)
-
-
-def _session(truth: SensorTruth) -> str:
-    return f"demo-{truth.id}"
-
-
-def _document(answer: Answer) -> CalibrationDocument:
+def _ready(answer: Answer) -> Answer:
     if answer["document"] is None:
         raise StationError(f"calibration {answer['id']} failed: {answer['reason']}")
-    return CalibrationDocument.model_validate(answer["document"])
+    document: Answer = answer["document"]
+    return document
 
 
 def _accounts(closed: Answer, triggered: Mapping[str, int]) -> list[FrameAccount]:

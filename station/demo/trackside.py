@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from pathlib import Path
 
 from station.client import StationClient
 from station.demo.rendering import RenderedFrames, frames_path
-from station.demo.scenario import AXLES, OFFSETS_MM, POSES, REFERENCE, Scenario, SensorTruth
+from station.demo.scenario import AXLES, OFFSETS_MM, REFERENCE, SHOWINGS, Scenario, SensorTruth
 from station.errors import StationError
 from station.simulated import SimulatedCameraProcess
 
@@ -102,20 +102,17 @@ def await_ready(station: RunningStation, client: StationClient) -> None:
         time.sleep(0.1)
 
 
-def roll_train_by(
-    sensors: Sequence[SensorTruth], cameras: dict[str, SimulatedCameraProcess]
-) -> dict[str, int]:
+def roll_train_by(cameras: dict[str, SimulatedCameraProcess]) -> dict[str, int]:
     """Trigger every camera by its Line1 as the axles come by; return how often each was."""
-    counts = {truth.id: 0 for truth in sensors}
-    frames_per_wheel = len(sensors[0].passes) // len(sensors[0].wheels)
+    counts = dict.fromkeys(cameras, 0)
     start_s = time.monotonic()
-    for axle in range(len(sensors[0].wheels)):
-        for frame in range(frames_per_wheel):
+    for axle in range(AXLES):
+        for frame in range(len(OFFSETS_MM)):
             due_s = start_s + axle * _WHEEL_INTERVAL_S + frame * _FRAME_INTERVAL_S
             time.sleep(max(0.0, due_s - time.monotonic()))
             now_ns = time.time_ns()
-            for truth in sensors:
-                counts[truth.id] += cameras[truth.id].trigger_line1(now_ns)
+            for sensor, camera in cameras.items():
+                counts[sensor] += camera.trigger_line1(now_ns)
     return counts
 
 
@@ -134,20 +131,30 @@ def _settings_toml(scenario: Scenario, folder: Path, port: int) -> str:
         f'reference = "{REFERENCE}"',
         "[storage]",  # space for what the demo records, not for the longest train
         "keep_free_gb = 0.1",
-        f"most_poses = {POSES}",
+        f"most_poses = {SHOWINGS}",
         f"most_axles = {AXLES * len(OFFSETS_MM)}",
     ]
-    for truth in scenario.sensors:
-        mounting = truth.rig_from_camera
-        lines += [
-            "",
-            "[[sensors]]",
-            f'id = "{truth.id}"',
-            f'side = "{truth.side}"',
-            f'address = "{truth.address}"',
-            'trigger = "Line1"',
-            "[sensors.mounting]",
-            f"rotation_vector = {mounting.rotation_vector.tolist()}",
-            f"translation_mm = {mounting.translation_mm.tolist()}",
-        ]
+    for rig in scenario.rigs:
+        for truth in rig.sensors:
+            lines += [
+                "",
+                "[[sensors]]",
+                f'id = "{truth.id}"',
+                f'side = "{rig.side}"',
+                f'address = "{truth.address}"',
+                'trigger = "Line1"',
+            ]
+            if truth is rig.anchor:
+                lines += _mounting_toml(truth)
+    for rig in scenario.rigs:
+        names = ", ".join(f'"{truth.id}"' for truth in rig.sensors)
+        lines += ["", "[[rigs]]", f'id = "{rig.id}"', f"sensors = [{names}]"]
     return "\n".join([*lines, ""])
+
+
+def _mounting_toml(truth: SensorTruth) -> list[str]:
+    return [
+        "[sensors.mounting]",
+        f"rotation_vector = {truth.rig_from_camera.rotation_vector.tolist()}",
+        f"translation_mm = {truth.rig_from_camera.translation_mm.tolist()}",
+    ]

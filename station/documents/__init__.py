@@ -1,4 +1,4 @@
-"""The files others rely on: camera.json, calibration.json, points.csv, results.json."""
+"""The files others rely on: camera.json, calibration.json, rig.json, points.csv, results.json."""
 
 from station.documents.base import write_whole, written_whole
 from station.documents.calibration import (
@@ -22,6 +22,7 @@ from station.documents.measurement import (
 from station.documents.piece import (
     PieceCheck,
     PieceDocument,
+    PiecePictureDocument,
     piece_check,
 )
 from station.documents.points import POINT_COLUMNS, points_csv, views_from_points
@@ -34,8 +35,16 @@ from station.documents.reference import (
     reference_nominal,
     reference_points,
 )
+from station.documents.rig import (
+    BOARD_SIGMA_MM,
+    RigDocument,
+    RigSensorDocument,
+    SurveyDocument,
+    sensors_of,
+)
 
 __all__ = [
+    "BOARD_SIGMA_MM",
     "POINT_COLUMNS",
     "REFERENCE_NAME",
     "CalibrationDocument",
@@ -48,6 +57,7 @@ __all__ = [
     "MountingDocument",
     "PieceCheck",
     "PieceDocument",
+    "PiecePictureDocument",
     "NominalDocument",
     "PlaneDocument",
     "PoseDocument",
@@ -55,12 +65,16 @@ __all__ = [
     "ReadingDocument",
     "ReferenceDocument",
     "ReferencePoints",
+    "RigDocument",
+    "RigSensorDocument",
     "RmsDocument",
+    "SurveyDocument",
     "WheelDocument",
     "piece_check",
     "points_csv",
     "reference_nominal",
     "reference_points",
+    "sensors_of",
     "views_from_points",
     "wheel_document",
     "write_whole",

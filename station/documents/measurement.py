@@ -1,11 +1,12 @@
 """results.json: the wheels of a measurement, one row a wheel, measured or not."""
 
 import math
+from collections.abc import Iterator
 from datetime import datetime
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
-from pydantic import AwareDatetime, Field
+from pydantic import AwareDatetime, Field, model_validator
 
 from measure import (
     Alarm,
@@ -13,6 +14,7 @@ from measure import (
     Profile,
     Quantity,
     ReferenceProfile,
+    SensorShare,
     Side,
     Status,
     WheelQuality,
@@ -33,6 +35,11 @@ class ReadingDocument(Document):
 _MISSING = ReadingDocument(status=Status.MISSING, alarm=Alarm.UNKNOWN)
 
 
+def _empty(value: object) -> bool:
+    """Tell what only rigs have: the rows of sensors by themselves stay as they were."""
+    return not value
+
+
 class ProfileDocument(Document):
     """The measured profile: distance from the flange back, height over the nominal tread."""
 
@@ -41,10 +48,30 @@ class ProfileDocument(Document):
     sigma_mm: tuple[float, ...]
     wear_mm: tuple[float | None, ...] | None = None
     """Reference minus height, aligned at flange back and tip; null behind the tip."""
+    sensors: tuple[str, ...] = Field(default=(), exclude_if=_empty)
+    """The sensors of a rig, in the order of the bits of `seen_by`; absent where one saw all."""
+    seen_by: tuple[int, ...] | None = Field(default=None, exclude_if=_empty)
+    """Which sensors have points there: bit k is set for sensor k."""
+
+    @model_validator(mode="after")
+    def _each_point_was_seen(self) -> Self:
+        if self.seen_by is not None and len(self.seen_by) != len(self.d_mm):
+            raise ValueError(f"seen_by has {len(self.seen_by)} of {len(self.d_mm)} points")
+        return self
 
     def profile(self) -> Profile:
         """Return the profile itself."""
-        return Profile(np.array(self.d_mm), np.array(self.h_mm), np.array(self.sigma_mm))
+        return Profile(
+            np.array(self.d_mm),
+            np.array(self.h_mm),
+            np.array(self.sigma_mm),
+            None if self.seen_by is None else np.array(self.seen_by, dtype=np.int64),
+        )
+
+    def seen_by_names(self, point: int) -> tuple[str, ...]:
+        """Return the sensors of a rig that have points where a point of the profile is."""
+        bits = 0 if self.seen_by is None else self.seen_by[point]
+        return tuple(name for bit, name in enumerate(self.sensors) if bits >> bit & 1)
 
 
 class HeaderDocument(Document):
@@ -57,10 +84,13 @@ class HeaderDocument(Document):
 
 
 class WheelDocument(Document):
-    """One wheel as seen by one sensor; one that could not be measured has a reason."""
+    """One wheel as seen by a sensor or a rig; one that could not be measured has a reason."""
 
     source: str
     sensor: str
+    """Or the rig."""
+    sensors: tuple[str, ...] = Field(default=(), exclude_if=_empty)
+    """The sensors of a rig whose points are in the readings; absent of a sensor by itself."""
     frame: int | None = None
     """The frame (its id in a recording, its place among pictures) that carried most weight."""
     frames: tuple[int, ...] = ()
@@ -74,6 +104,7 @@ class WheelDocument(Document):
     tread_wear_at_70: ReadingDocument = _MISSING
     tread_wear_max: ReadingDocument = _MISSING
     hollow_depth: ReadingDocument = _MISSING
+    diameter: ReadingDocument = _MISSING
     profile: ProfileDocument | None = None
     quality: dict[str, Any] = Field(default_factory=dict)
     reason: str | None = None
@@ -119,10 +150,11 @@ def wheel_document(
     return WheelDocument(
         source=source,
         sensor=sensor,
+        sensors=tuple(_giving(answer.quality)) if len(answer.quality.sensors) > 1 else (),
         frame=frame,
         frames=frames,
         time=time,
-        profile=_profile(answer.profile, reference),
+        profile=_profile(answer.profile, answer.quality.sensors, reference),
         quality=_quality(answer.quality),
         reason=answer.reason,
         header=header,
@@ -130,10 +162,22 @@ def wheel_document(
     )
 
 
-def _profile(profile: Profile | None, reference: ReferenceProfile | None) -> ProfileDocument | None:
+def _giving(quality: WheelQuality) -> Iterator[str]:
+    """Yield the sensors that gave points."""
+    for name, share in quality.by_sensor.items():
+        if share.points:
+            yield name
+
+
+def _profile(
+    profile: Profile | None, sensors: tuple[str, ...], reference: ReferenceProfile | None
+) -> ProfileDocument | None:
     if profile is None:
         return None
+    seen_by = None if profile.seen_by is None else tuple(profile.seen_by.tolist())
     return ProfileDocument(
+        sensors=() if seen_by is None else sensors,
+        seen_by=seen_by,
         d_mm=tuple(profile.d_mm.tolist()),
         h_mm=tuple(profile.h_mm.tolist()),
         sigma_mm=tuple(profile.sigma_mm.tolist()),
@@ -147,7 +191,10 @@ def _wear(profile: Profile, reference: ReferenceProfile) -> tuple[float | None, 
 
 
 def _quality(quality: WheelQuality) -> dict[str, object]:
+    shares = {name: _share(share) for name, share in quality.by_sensor.items()}
+    of_rig = {"by_sensor": shares} if len(quality.sensors) > 1 else {}
     return {
+        **of_rig,
         "points": quality.points,
         "left_out": {cause.value: count for cause, count in quality.left_out.items()},
         "coverage": quality.coverage,
@@ -157,6 +204,16 @@ def _quality(quality: WheelQuality) -> dict[str, object]:
         "sheet_yaw_deg": quality.sheet_yaw_deg,
         "wear_max_at_d_mm": quality.wear_max_at_d_mm,
         "unmeasured": {str(frame): reason for frame, reason in quality.unmeasured.items()},
+    }
+
+
+def _share(share: SensorShare) -> dict[str, object]:
+    """Return what one sensor of a rig gave, as the row keeps it."""
+    return {
+        "points": share.points,
+        "reason": share.reason,
+        "aside_mm": None if share.aside_mm is None else list(share.aside_mm),
+        "sigma_aside_mm": None if share.sigma_aside_mm is None else list(share.sigma_aside_mm),
     }
 
 
@@ -172,14 +229,16 @@ class MeasurementDocument(Document):
     sensors measured."""
     calibrations: dict[str, str] = Field(default_factory=dict)
     """Those of several sensors, by sensor."""
+    rigs: dict[str, str] = Field(default_factory=dict, exclude_if=_empty)
+    """Fingerprints of the rigs that wheels were measured on, by rig."""
     reference: str
     regime: str | None = None
     """The regime whose limits raised the alarms."""
     wheels: tuple[WheelDocument, ...]
 
     def calibration_of(self, wheel: WheelDocument) -> str | None:
-        """Return the fingerprint of the calibration that a wheel was measured with."""
-        return self.calibrations.get(wheel.sensor, self.calibration)
+        """Return the fingerprint of the calibration, or rig, that a wheel was measured with."""
+        return self.rigs.get(wheel.sensor) or self.calibrations.get(wheel.sensor, self.calibration)
 
     @property
     def measured(self) -> int:

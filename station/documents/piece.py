@@ -11,6 +11,7 @@ from measure import (
     PieceDeviation,
     PieceJudgement,
     PiecePlace,
+    PiecePower,
     PieceReading,
     PieceVerdict,
 )
@@ -40,9 +41,13 @@ class PieceDocument(Document):
     expansion_per_k: float = 0.0
     """Growth by warmth; without it the piece counts as one that does not grow."""
     squareness_deg: float = 0.5
-    """How far the holder may let the piece stand from square to the sheet, in 95 % of cases."""
+    """How far the holder may let the piece stand from square to the sheet, or from `length_in_rig`,
+    in 95 % of cases."""
     held_u95_mm: float | None = None
     """How well its holder keeps it in place from check to check; null of one put there by hand."""
+    length_in_rig: tuple[float, float, float] | None = None
+    """Direction of the rig frame along which its holder keeps its length; null: square to the
+    sheets, as far as these agree."""
 
     @model_validator(mode="after")
     def _check_profile(self) -> Self:
@@ -66,6 +71,7 @@ class PieceDocument(Document):
             expansion_per_k=self.expansion_per_k,
             squareness_deg=self.squareness_deg,
             held_u95_mm=self.held_u95_mm,
+            length_in_rig=self.length_in_rig,
         )
 
 
@@ -120,30 +126,50 @@ class PiecePictureDocument(Document):
     place: PiecePlaceDocument | None = None
     """Where the middle of the piece lies on the sheet, and how it is turned."""
     reason: str | None = None
+    sensor: str | None = None
+    """Which of a rig's sensors took it; null of one alone."""
 
     @classmethod
     def of(cls, reading: PieceReading) -> Self:
         """Take over a reading."""
+        sensor = reading.sensor or None
         if reading.reason:
-            return cls(name=reading.name, points=reading.points, reason=reading.reason)
+            return cls(
+                name=reading.name, points=reading.points, reason=reading.reason, sensor=sensor
+            )
         return cls(
             name=reading.name,
+            sensor=sensor,
             points=reading.points,
             rms_mm=reading.rms_mm,
             place=None if reading.place is None else PiecePlaceDocument.of(reading.place),
         )
 
 
+class PiecePowerDocument(Document):
+    """The least drift of one kind that would be found in 95 % of such checks."""
+
+    name: str
+    found_from: float
+    unit: Literal["mm", "rad"]
+
+    @classmethod
+    def of(cls, power: PiecePower) -> Self:
+        """Take over a power."""
+        return cls(**asdict(power))
+
+
 class PieceCheck(Document):
-    """What a sensor said of a reference piece, to be kept."""
+    """What a sensor, or the sensors of a rig together, said of a reference piece, to be kept."""
 
     format: Literal["treadline-piece-check"] = "treadline-piece-check"
     version: Literal[1] = 1
     created: AwareDatetime
     software: str
     sensor: str
+    """The sensor under test, or the rig."""
     calibration: str
-    """Fingerprint of the calibration under test."""
+    """Fingerprint of the calibration under test, or of the rig's."""
     piece: str
     serial: str
     verdict: PieceVerdict
@@ -157,6 +183,8 @@ class PieceCheck(Document):
     """Mean distance from the certified profile, part by part; `certified` is the place along it."""
     pictures: tuple[PiecePictureDocument, ...]
     notes: tuple[str, ...] = Field(default=())
+    powers: tuple[PiecePowerDocument, ...] = Field(default=())
+    """Of a rig: which drifts of its sensors against each other would have been found."""
 
     @property
     def passed(self) -> bool:
@@ -198,4 +226,5 @@ def piece_check(
         profile=tuple(map(PieceDeviationDocument.of, judged.profile)),
         pictures=tuple(map(PiecePictureDocument.of, judged.readings)),
         notes=judged.notes,
+        powers=tuple(map(PiecePowerDocument.of, judged.powers)),
     )

@@ -26,6 +26,8 @@ _WHICH = {
     "sensor": "VARCHAR",
     "frame": "BIGINT",
 }
+_BETWEEN = " "
+"""Between the names of sensors in one field: no name has one."""
 
 COLUMNS: dict[str, str] = {
     **_WHICH,
@@ -43,10 +45,11 @@ COLUMNS: dict[str, str] = {
     "placing": "VARCHAR",
     "wheelset": "VARCHAR",
     **{f"header_{quantity.value}": "DOUBLE" for quantity in _CLAIMED},
+    "sensors": "VARCHAR",
 }
 """Columns and their SQL types. Readings and `_u95` are in mm, empty where nothing was measured;
-`frames` is how many showed the wheel, `calibration` the fingerprint of the one used, `header_` what
-the header of a profile's file states."""
+`frames` is how many showed the wheel, `calibration` the fingerprint of the one used, or of the rig,
+`header_` what the header of a profile's file states, `sensors` those of a rig that gave points."""
 
 POINT_COLUMNS: dict[str, str] = {
     "wheel": "INTEGER",
@@ -55,8 +58,10 @@ POINT_COLUMNS: dict[str, str] = {
     "h_mm": "DOUBLE",
     "sigma_mm": "DOUBLE",
     "wear_mm": "DOUBLE",
+    "sensors": "VARCHAR",
 }
-"""Columns of the points of profiles; `wheel` counts the rows of the readings' table from 1."""
+"""Columns of the points of profiles; `wheel` counts the rows of the readings' table from 1,
+`sensors` are those of a rig that saw the point."""
 
 
 def row_of(wheel: WheelDocument, heading: MeasurementDocument) -> dict[str, Any]:
@@ -74,7 +79,8 @@ def row_of(wheel: WheelDocument, heading: MeasurementDocument) -> dict[str, Any]
     row |= {"axle": wheel.axle, "side": wheel.side, "placing": wheel.placing}
     row |= {"wheelset": wheel.wheelset}
     claimed = wheel.header.claimed if wheel.header is not None else {}
-    return row | {f"header_{quantity.value}": claimed.get(quantity) for quantity in _CLAIMED}
+    row |= {f"header_{quantity.value}": claimed.get(quantity) for quantity in _CLAIMED}
+    return row | {"sensors": _BETWEEN.join(wheel.sensors) or None}
 
 
 def point_rows(number: int, wheel: WheelDocument) -> Iterator[dict[str, Any]]:
@@ -84,9 +90,11 @@ def point_rows(number: int, wheel: WheelDocument) -> Iterator[dict[str, Any]]:
         return
     wear = profile.wear_mm if profile.wear_mm is not None else (None,) * len(profile.d_mm)
     which = _which(wheel)
-    for d, h, sigma, lost in zip(profile.d_mm, profile.h_mm, profile.sigma_mm, wear, strict=True):
+    points = zip(profile.d_mm, profile.h_mm, profile.sigma_mm, wear, strict=True)
+    for place, (d, h, sigma, lost) in enumerate(points):
         point = {"d_mm": d, "h_mm": h, "sigma_mm": sigma, "wear_mm": lost}
-        yield {"wheel": number, **which, **point}
+        seen_by = _BETWEEN.join(profile.seen_by_names(place)) or None
+        yield {"wheel": number, **which, **point, "sensors": seen_by}
 
 
 def _which(wheel: WheelDocument) -> dict[str, Any]:

@@ -20,30 +20,67 @@ from station.operations.collaborators import (
     Station,
     utc_now,
 )
+from station.operations.keys import Keys, key_id_of
 from station.operations.layout import DataLayout
 from station.operations.passes import Passes, PassView, PassWheels
+from station.operations.recalibrations import (
+    RecalibrationOrder,
+    add_recalibration,
+    answer_recalibration,
+    bring_into_force,
+    last_good_check,
+    order_recalibration,
+    supersede_asking,
+)
+from station.operations.rigs import (
+    RigCalibrationOrder,
+    activate_rig_calibration,
+    active_rig_calibration,
+    keep_rig_calibration,
+    order_rig_calibration,
+)
 from station.operations.salvage import salvage_recording
-from station.operations.sessions import Sessions, SessionView
+from station.operations.sensors import sensor_at
+from station.operations.sessions import SessionOrder, Sessions, SessionView
+from station.operations.uploads import Upload, Uploads
 
 __all__ = [
     "CalibrationOrder",
     "Capture",
     "DataLayout",
     "JobQueue",
+    "Keys",
     "MethodName",
     "PassView",
     "PassWheels",
     "Passes",
+    "RecalibrationOrder",
+    "RigCalibrationOrder",
     "Salvage",
     "Salvaged",
+    "SessionOrder",
     "SessionView",
     "Sessions",
     "Station",
+    "Upload",
+    "Uploads",
     "activate_calibration",
+    "activate_rig_calibration",
     "active_calibration",
+    "active_rig_calibration",
+    "add_recalibration",
+    "answer_recalibration",
+    "bring_into_force",
     "calibration_points",
     "cancel_job",
+    "keep_rig_calibration",
+    "key_id_of",
+    "last_good_check",
     "order_calibration",
+    "order_recalibration",
+    "order_rig_calibration",
     "salvage_recording",
+    "sensor_at",
+    "supersede_asking",
     "utc_now",
 ]

@@ -8,12 +8,14 @@ from station.capture import ExposureStep, RecordingPlan, Trigger
 from station.errors import StateConflict, StationError
 from station.operations.collaborators import Station
 from station.recording import Rotation
-from station.settings import SensorSettings, StorageSettings
+from station.settings import SensorSettings, StationSettings, StorageSettings
 from station.storage import Expected, ensure_space, expected_of_pass, expected_of_session
 from station.store import (
     Calibration,
     Recording,
+    RigCalibration,
     active,
+    active_rig,
     pass_in_progress,
     session_in_progress,
     the,
@@ -60,7 +62,7 @@ def ensure_space_for_pass(station: Station) -> None:
     _ensure_space(station, expected, "the longest pass")
 
 
-def ensure_space_for_session(station: Station, sensor: SensorSettings) -> None:
+def ensure_space_for_session(station: Station, sensors: Iterable[SensorSettings]) -> None:
     """Let a calibration session begin only where its pictures fit on the disk.
 
     Raises
@@ -68,8 +70,10 @@ def ensure_space_for_session(station: Station, sensor: SensorSettings) -> None:
     DiskFull
         If they do not.
     """
-    picture_bytes = _picture_bytes(station, sensor)
-    expected = [expected_of_session(sensor, station.settings.storage, picture_bytes)]
+    expected = [
+        expected_of_session(sensor, station.settings.storage, _picture_bytes(station, sensor))
+        for sensor in sensors
+    ]
     _ensure_space(station, expected, "a calibration session")
 
 
@@ -92,6 +96,13 @@ def calibration_in_force(session: Session, sensor: str) -> str | None:
     """Return the id of the calibration in force on a sensor, or None."""
     activation = active(session, sensor)
     return None if activation is None else activation.calibration_id
+
+
+def rig_in_force(session: Session, settings: StationSettings, sensor: str) -> str | None:
+    """Return the id of the calibration in force on the rig that a sensor is in, or None."""
+    rig = settings.rig_with(sensor)
+    activation = None if rig is None else active_rig(session, rig.id)
+    return None if activation is None else activation.rig_calibration_id
 
 
 def arm(station: Station, recording: Recording, *, owner: str, trigger: Trigger) -> None:
@@ -139,8 +150,12 @@ def _rotation(storage: StorageSettings, trigger: Trigger) -> Rotation:
 
 
 def _attachments(station: Station, recording: Recording) -> dict[str, bytes]:
-    if recording.calibration_id is None:
-        return {}
+    documents: dict[str, str | None] = {}
     with station.store.look() as session:
-        document = the(session, Calibration, recording.calibration_id).document
-    return {"calibration.json": (document or "").encode()}
+        if recording.calibration_id is not None:
+            own = the(session, Calibration, recording.calibration_id)
+            documents["calibration.json"] = own.document
+        if recording.rig_calibration_id is not None:
+            rig = the(session, RigCalibration, recording.rig_calibration_id)
+            documents["rig.json"] = rig.document
+    return {name: (document or "").encode() for name, document in documents.items()}

@@ -11,7 +11,9 @@ from station.errors import InputUnusable, NotFound, StateConflict
 from station.operations.collaborators import Station
 from station.operations.sensors import sensor_at, sensor_given
 from station.store import (
+    Action,
     Activation,
+    Actor,
     Calibration,
     CalibrationPoints,
     CalibrationSession,
@@ -23,6 +25,7 @@ from station.store import (
     activate,
     active,
     add_job,
+    audit,
     recordings_of,
     the,
 )
@@ -42,7 +45,9 @@ class CalibrationOrder:
     laser_off: Sequence[str]
 
 
-def order_calibration(station: Station, order: CalibrationOrder) -> tuple[Calibration, Job]:
+def order_calibration(
+    station: Station, order: CalibrationOrder, *, by: Actor
+) -> tuple[Calibration, Job]:
     """Put a calibration into the worker's list.
 
     Raises
@@ -57,7 +62,9 @@ def order_calibration(station: Station, order: CalibrationOrder) -> tuple[Calibr
     sensor_given(station.settings, order.sensor)
     with station.store.change() as session:
         recordings, target = _resolve(session, order)
-        laser_off = [_closed(session, recording, order.sensor) for recording in order.laser_off]
+        laser_off = [
+            closed_recording(session, recording, order.sensor) for recording in order.laser_off
+        ]
         calibration_id, job_id = station.new_id(), station.new_id()
         job = add_job(session, job_id, JobKind.CALIBRATE, calibration_id, at=station.now())
         calibration = Calibration(
@@ -71,6 +78,16 @@ def order_calibration(station: Station, order: CalibrationOrder) -> tuple[Calibr
             job_id=job_id,
         )
         session.add(calibration)
+        ordered = {"sensor": order.sensor, "job": job_id}
+        audit(
+            session,
+            Action.ORDER,
+            "calibration",
+            calibration_id,
+            by=by,
+            at=station.now(),
+            after=ordered,
+        )
     station.jobs.submit(JobKind.CALIBRATE, job_id)
     return calibration, job
 
@@ -81,7 +98,9 @@ def _resolve(session: Session, order: CalibrationOrder) -> tuple[list[str], str]
     if order.session is None:
         if order.target is None:
             raise InputUnusable("recordings do not say which target they show; give a target")
-        closed = [_closed(session, recording, order.sensor) for recording in order.recordings]
+        closed = [
+            closed_recording(session, recording, order.sensor) for recording in order.recordings
+        ]
         return closed, str(order.target)
     row = the(session, CalibrationSession, order.session)
     if row.state is not SessionState.RECORDED:
@@ -89,12 +108,33 @@ def _resolve(session: Session, order: CalibrationOrder) -> tuple[list[str], str]
             f"calibration session {row.id} is {row.state}; finish it, then calibrate from it",
             state=row.state,
         )
-    recordings = [each.id for each in recordings_of(session, row)]
-    closed = [_closed(session, recording, order.sensor) for recording in recordings]
-    return closed, str(order.target or row.target)
+    # Of a rig's session the sensor's own.
+    recordings = [
+        each.id
+        for each in recordings_of(session, row)
+        if row.rig is None or each.sensor == order.sensor
+    ]
+    if not recordings:
+        raise InputUnusable(
+            f"calibration session {row.id} of rig {row.rig} has no sensor {order.sensor}"
+        )
+    closed = [closed_recording(session, recording, order.sensor) for recording in recordings]
+    shown = (row.targets or {}).get(order.sensor, row.target)
+    return closed, str(order.target or shown)
 
 
-def _closed(session: Session, recording_id: str, sensor: str) -> str:
+def closed_recording(session: Session, recording_id: str, sensor: str) -> str:
+    """Return the id of a recording after checking that a sensor can be calibrated from it.
+
+    Raises
+    ------
+    NotFound
+        If the station knows no such recording.
+    StateConflict
+        If it still runs, or was deleted.
+    InputUnusable
+        If it is of another sensor.
+    """
     recording = the(session, Recording, recording_id)
     if recording.closed_at is None:
         raise StateConflict(
@@ -153,7 +193,7 @@ def active_calibration(station: Station, sensor: str) -> Activation:
 
 
 def activate_calibration(
-    station: Station, sensor: str, calibration_id: str, *, seen: int | None, by: str
+    station: Station, sensor: str, calibration_id: str, *, seen: int | None, by: Actor
 ) -> Activation:
     """Bring a calibration into force on a sensor; `seen` is the version the caller read.
 

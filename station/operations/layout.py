@@ -1,9 +1,11 @@
 """Where the station keeps its files: one place that knows the names."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Self
 
 from station.errors import InputUnusable
+from station.settings import StationSettings
 from station.store import sqlite_url
 
 
@@ -12,11 +14,23 @@ class DataLayout:
     """The folder of the station's data and the names in it."""
 
     root: Path
+    database: str | None = field(default=None, repr=False)
+    """URL of the store where it is not a file in the folder; it may hold a password."""
+
+    @classmethod
+    def of(cls, settings: StationSettings) -> Self:
+        """Return the layout of a station."""
+        return cls(settings.data_dir, settings.store_url)
 
     @property
     def store_url(self) -> str:
         """URL of the store."""
-        return sqlite_url(self.root / "station.sqlite")
+        return self.database or sqlite_url(self.store_file)
+
+    @property
+    def store_file(self) -> Path:
+        """The file of the store, where it is one."""
+        return self.root / "station.sqlite"
 
     @property
     def jobs_file(self) -> Path:
@@ -37,6 +51,11 @@ class DataLayout:
     def station_lock(self) -> Path:
         """The file that a running station holds locked."""
         return self.root / "station.lock"
+
+    @property
+    def uploads(self) -> Path:
+        """The folder of recordings that were made elsewhere, relative to the root."""
+        return Path("recordings", "uploads")
 
     def pass_recording(self, pass_id: str, sensor: str) -> Path:
         """Return where a sensor records a pass, relative to the root."""

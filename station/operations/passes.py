@@ -14,6 +14,7 @@ from station.operations.arming import (
     calibration_in_force,
     ensure_sensors_free,
     ensure_space_for_pass,
+    rig_in_force,
 )
 from station.operations.closing import Closed, close_all, note
 from station.operations.collaborators import Station
@@ -22,6 +23,8 @@ from station.operations.sensors import sensor_given
 from station.settings import SensorSettings
 from station.store import (
     PASS,
+    Action,
+    Actor,
     AxleWheel,
     JobKind,
     Measurement,
@@ -29,6 +32,7 @@ from station.store import (
     PassState,
     Recording,
     add_job,
+    audit,
     places_of,
     recordings_of,
     the,
@@ -91,7 +95,7 @@ class Passes:
             )
 
     def open(
-        self, pass_id: str, *, train: str | None, consist: Consist | None = None
+        self, pass_id: str, *, train: str | None, by: Actor, consist: Consist | None = None
     ) -> tuple[PassView, bool]:
         """Arm every sensor for a train; return the pass and whether it is new.
 
@@ -112,6 +116,9 @@ class Passes:
             ensure_sensors_free(session, self._station.sensors, f"pass {pass_id}")
             ensure_space_for_pass(self._station)
             view = self._add(session, pass_id, train, consist)
+            told = {"train": train}
+            now = self._station.now()
+            audit(session, Action.ARM, "pass", pass_id, by=by, at=now, after=told)
         try:
             self._arm_all(view, pass_id)
         except StationError as error:
@@ -128,6 +135,7 @@ class Passes:
         *,
         axles: int | None,
         triggers: Mapping[str, int],
+        by: Actor,
         consist: Consist | None = None,
     ) -> PassView:
         """Close the recordings of a pass, hold them against the count, and have them measured.
@@ -160,7 +168,7 @@ class Passes:
             ensure_consist(view.row, consist)
             if view.row.state is not PassState.RECORDING:
                 return view
-            self._note_train(pass_id, axles, consist)
+            self._note_finish(pass_id, axles, consist, by)
             return self._close(view, expected)
 
     def take_up(self) -> None:
@@ -182,12 +190,17 @@ class Passes:
                 with self._closing:
                     self._close(view, {})
 
-    def _note_train(self, pass_id: str, axles: int | None, consist: Consist | None) -> None:
+    def _note_finish(
+        self, pass_id: str, axles: int | None, consist: Consist | None, by: Actor
+    ) -> None:
         with self._station.store.change() as session:
             row = the(session, Pass, pass_id)
             row.axles = axles
             if row.consist is None and consist is not None:
                 row.consist = consist.to_json()
+            told = {"axles": axles}
+            now = self._station.now()
+            audit(session, Action.FINISH, "pass", pass_id, by=by, at=now, after=told)
 
     def _add(
         self, session: Session, pass_id: str, train: str | None, consist: Consist | None
@@ -210,6 +223,7 @@ class Passes:
                 path=str(self._station.layout.pass_recording(pass_id, sensor.id)),
                 opened_at=now,
                 calibration_id=calibration_in_force(session, sensor.id),
+                rig_calibration_id=rig_in_force(session, self._station.settings, sensor.id),
                 recovered=False,
             )
             for sensor in self._station.sensors

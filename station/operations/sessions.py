@@ -1,6 +1,6 @@
 """Pictures for a calibration, taken one by one while somebody moves the target."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from threading import Lock
 
@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from calib import Target
 from station.capture import Trigger
-from station.errors import StateConflict, StationError
+from station.errors import InputUnusable, StateConflict, StationError
 from station.operations.arming import (
     arm,
     calibration_in_force,
@@ -17,16 +17,44 @@ from station.operations.arming import (
 )
 from station.operations.closing import close_all, note
 from station.operations.collaborators import Station
-from station.operations.sensors import sensor_given
+from station.operations.sensors import rig_given, sensor_given
+from station.settings import SensorSettings
 from station.store import (
     SESSION,
+    Action,
+    Actor,
     CalibrationSession,
     Recording,
     SessionState,
+    audit,
     open_sessions,
     recordings_of,
     the,
 )
+
+
+@dataclass(frozen=True, slots=True)
+class SessionOrder:
+    """What pictures are to be taken with: a sensor, or all of a rig; and of which boards.
+
+    Attributes
+    ----------
+    target
+        The board; of a rig, that of the sensors without one of their own.
+    targets
+        The boards of single sensors of a rig.
+    """
+
+    target: Target
+    sensor: str | None = None
+    rig: str | None = None
+    targets: Mapping[str, Target] | None = None
+
+    @property
+    def targets_kept(self) -> dict[str, str] | None:
+        """The boards of single sensors as the store keeps them."""
+        own = self.targets or {}
+        return {name: str(target) for name, target in own.items()} or None
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,13 +84,13 @@ class Sessions:
         with self._station.store.look() as session:
             return _view(session, the(session, CalibrationSession, session_id))
 
-    def open(self, session_id: str, *, sensor: str, target: Target) -> tuple[SessionView, bool]:
-        """Ready a sensor for pictures on command; return the session and whether it is new.
+    def open(self, session_id: str, order: SessionOrder, *, by: Actor) -> tuple[SessionView, bool]:
+        """Ready a sensor, or all of a rig, for pictures; return the session and whether it is new.
 
         Raises
         ------
         InputUnusable
-            If the station has no such sensor.
+            If the station has no such sensor or rig, or a board is of none of its sensors.
         StateConflict
             If another recording runs, or the id is of another session.
         DiskFull
@@ -70,16 +98,18 @@ class Sessions:
         CameraError, RecordingError
             If the sensor cannot record; the session has then failed.
         """
-        settings = sensor_given(self._station.settings, sensor)
+        sensors = self._sensors_of(order)
         with self._station.store.change() as session:
             present = session.get(CalibrationSession, session_id)
             if present is not None:
-                return _view(session, _ensure_same(present, sensor, target)), False
-            ensure_sensors_free(session, [settings], f"calibration session {session_id}")
-            ensure_space_for_session(self._station, settings)
-            recording = self._add(session, session_id, sensor, target)
+                return _view(session, _ensure_same(present, order)), False
+            ensure_sensors_free(session, sensors, f"calibration session {session_id}")
+            ensure_space_for_session(self._station, sensors)
+            recordings = self._add(session, session_id, order, sensors)
+            self._note(session, Action.ARM, session_id, by)
         try:
-            arm(self._station, recording, owner=session_id, trigger=Trigger.SOFTWARE)
+            for recording in recordings:
+                arm(self._station, recording, owner=session_id, trigger=Trigger.SOFTWARE)
         except StationError as error:
             self._close(session_id, SessionState.FAILED, f"not armed: {error}")
             raise
@@ -89,7 +119,9 @@ class Sessions:
             return _view(session, row), True
 
     def take_picture(self, session_id: str) -> SessionView:
-        """Take one picture and return when it is recorded.
+        """Take one picture with each sensor and return when they are recorded.
+
+        Those of a rig come one after the other, as no laser is to shine into another's picture.
 
         Raises
         ------
@@ -101,20 +133,22 @@ class Sessions:
             If the picture does not arrive.
         """
         with self._camera:
-            row = self.view(session_id).row
+            view = self.view(session_id)
+            row = view.row
             if row.state is not SessionState.OPEN:
                 raise StateConflict(
                     f"calibration session {session_id} is {row.state}; "
                     "pictures are taken while it is open",
                     state=row.state,
                 )
-            self._station.captures[row.sensor].trigger()
+            for recording in view.recordings:
+                self._station.captures[recording.sensor].trigger()
             with self._station.store.change() as session:
                 row = the(session, CalibrationSession, session_id)
                 row.pictures += 1
                 return _view(session, row)
 
-    def finish(self, session_id: str) -> SessionView:
+    def finish(self, session_id: str, *, by: Actor) -> SessionView:
         """Close the recording of a session; one that is closed stays as it is.
 
         Raises
@@ -130,46 +164,73 @@ class Sessions:
                 return view
             if view.row.state is not SessionState.OPEN:
                 SESSION.check(session_id, view.row.state, SessionState.OPEN)
+            with self._station.store.change() as session:
+                self._note(session, Action.FINISH, session_id, by)
             return self._close(session_id, SessionState.RECORDED)
 
     def take_up(self) -> None:
         """Close, after a start, the sessions that no capture process still holds open."""
         with self._station.store.look() as session:
-            rows = open_sessions(session)
-        for row in rows:
-            if not self._still_open(row):
+            views = [_view(session, row) for row in open_sessions(session)]
+        for view in views:
+            if not self._still_open(view):
                 with self._camera:
-                    self._close(row.id, SessionState.RECORDED, "the station stopped meanwhile")
+                    self._close(view.row.id, SessionState.RECORDED, "the station stopped meanwhile")
 
-    def _add(self, session: Session, session_id: str, sensor: str, target: Target) -> Recording:
+    def _sensors_of(self, order: SessionOrder) -> list[SensorSettings]:
+        settings = self._station.settings
+        if (order.sensor is None) == (order.rig is None):
+            raise InputUnusable("give either a sensor or a rig to take pictures with, not both")
+        if order.sensor is not None:
+            names: tuple[str, ...] = (order.sensor,)
+        else:
+            names = rig_given(settings, order.rig or "").sensors
+        strange = [name for name in order.targets or {} if name not in names]
+        if strange:
+            raise InputUnusable(f"a target of sensor {strange[0]}; allowed: {', '.join(names)}")
+        return [sensor_given(settings, name) for name in names]
+
+    def _add(
+        self,
+        session: Session,
+        session_id: str,
+        order: SessionOrder,
+        sensors: Sequence[SensorSettings],
+    ) -> list[Recording]:
         now = self._station.now()
         session.add(
             CalibrationSession(
                 id=session_id,
                 state=SessionState.ARMED,
-                sensor=sensor,
-                target=str(target),
+                sensor=order.sensor,
+                rig=order.rig,
+                target=str(order.target),
+                targets=order.targets_kept,
                 pictures=0,
                 opened_at=now,
             )
         )
-        recording = Recording(
-            id=f"session.{session_id}.{sensor}",
-            sensor=sensor,
-            session_id=session_id,
-            path=str(self._station.layout.session_recording(session_id, sensor)),
-            opened_at=now,
-            calibration_id=calibration_in_force(session, sensor),
-            recovered=False,
-        )
-        session.add(recording)
-        return recording
+        session.flush()
+        recordings = [
+            Recording(
+                id=f"session.{session_id}.{sensor.id}",
+                sensor=sensor.id,
+                session_id=session_id,
+                path=str(self._station.layout.session_recording(session_id, sensor.id)),
+                opened_at=now,
+                calibration_id=calibration_in_force(session, sensor.id),
+                recovered=False,
+            )
+            for sensor in sensors
+        ]
+        session.add_all(recordings)
+        return recordings
 
     def _close(
         self, session_id: str, wanted: SessionState, reason: str | None = None
     ) -> SessionView:
         view = self.view(session_id)
-        expected = self._expected(view.row)
+        expected = self._expected(view)
         accounts = close_all(self._station, view.recordings, expected)
         with self._station.store.change() as session:
             row = the(session, CalibrationSession, session_id)
@@ -181,17 +242,29 @@ class Sessions:
             _step(row, wanted)
             return _view(session, row)
 
-    def _expected(self, row: CalibrationSession) -> dict[str, int | None]:
-        """Return how many frames were commanded; the capture process counts those of sequences."""
-        sensor = self._station.settings.sensor(row.sensor)
-        in_sequences = sensor is not None and bool(sensor.calibration_exposures)
-        return {row.sensor: None if in_sequences else row.pictures}
+    def _note(self, session: Session, action: Action, session_id: str, by: Actor) -> None:
+        now = self._station.now()
+        audit(session, action, "calibration session", session_id, by=by, at=now)
 
-    def _still_open(self, row: CalibrationSession) -> bool:
-        capture = self._station.captures.get(row.sensor)
+    def _expected(self, view: SessionView) -> dict[str, int | None]:
+        """Return how many frames were commanded; the capture process counts those of sequences."""
+        sensors = [recording.sensor for recording in view.recordings]
+        return {
+            sensor: None if self._takes_sequences(sensor) else view.row.pictures
+            for sensor in sensors
+        }
+
+    def _takes_sequences(self, sensor_id: str) -> bool:
+        sensor = self._station.settings.sensor(sensor_id)
+        return sensor is not None and bool(sensor.calibration_exposures)
+
+    def _still_open(self, view: SessionView) -> bool:
         try:
-            return capture is not None and capture.status().session_id == row.id
-        except StationError:
+            return all(
+                self._station.captures[recording.sensor].status().session_id == view.row.id
+                for recording in view.recordings
+            )
+        except (KeyError, StationError):
             return False
 
 
@@ -204,10 +277,12 @@ def _step(row: CalibrationSession, wanted: SessionState) -> None:
     row.state = wanted
 
 
-def _ensure_same(present: CalibrationSession, sensor: str, target: Target) -> CalibrationSession:
-    if (present.sensor, present.target) != (sensor, str(target)):
+def _ensure_same(present: CalibrationSession, order: SessionOrder) -> CalibrationSession:
+    wanted = (order.sensor, order.rig, str(order.target), order.targets_kept)
+    if (present.sensor, present.rig, present.target, present.targets) != wanted:
+        of = f"rig {present.rig}" if present.sensor is None else f"sensor {present.sensor}"
         raise StateConflict(
-            f"calibration session {present.id} is of sensor {present.sensor} and target "
+            f"calibration session {present.id} is of {of} and target "
             f"{present.target}; give a new session a new id",
             state=present.state,
         )

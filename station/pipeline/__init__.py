@@ -18,13 +18,18 @@ from station.pipeline.judge import (
 )
 from station.pipeline.judge_field import MAP_STEP_PX, working_pixels
 from station.pipeline.measure import FRAME_S, measure_sources, measured_wheels
+from station.pipeline.measure_rig import measure_rig, measured_on_rig
 from station.pipeline.measure_train import measure_train
 from station.pipeline.naming import distinct_names
 from station.pipeline.new_references import register_reference
 from station.pipeline.observe import Observations, observe_sources
-from station.pipeline.observe_group import Shot, observe_group
+from station.pipeline.observe_group import PoseShot, observe_group
 from station.pipeline.piece import check_piece
+from station.pipeline.piece_on_rig import PieceOrder, calibrate_rig_on_piece, check_piece_on_rig
 from station.pipeline.references import is_json, load_reference, read_profile, read_reference
+from station.pipeline.rig import RigOrder, calibrate_rig_sources
+from station.pipeline.rig_gauge import RigGauge
+from station.pipeline.rig_sources import sources_by_sensor
 from station.pipeline.wheel_stripe import locate_wheel_stripe
 
 __all__ = [
@@ -36,14 +41,20 @@ __all__ = [
     "Exposure",
     "Frame",
     "Observations",
-    "Shot",
+    "PieceOrder",
+    "RigGauge",
+    "RigOrder",
+    "PoseShot",
     "Solving",
     "UnreadBatch",
     "WheelGauge",
     "all_cores",
     "calibrate_camera_from_sources",
+    "calibrate_rig_on_piece",
+    "calibrate_rig_sources",
     "calibrate_sources",
     "check_piece",
+    "check_piece_on_rig",
     "cylinders_of_sources",
     "distances_of_sources",
     "distinct_names",
@@ -53,8 +64,10 @@ __all__ = [
     "load_reference",
     "locate_wheel_stripe",
     "map_on_all_cores",
+    "measure_rig",
     "measure_sources",
     "measure_train",
+    "measured_on_rig",
     "measured_wheels",
     "observe_group",
     "observe_sources",
@@ -65,5 +78,6 @@ __all__ = [
     "recorded_batches",
     "register_reference",
     "repeatability_of_sources",
+    "sources_by_sensor",
     "working_pixels",
 ]

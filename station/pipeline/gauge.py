@@ -1,11 +1,11 @@
 """A calibration made ready to measure wheels with."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import lru_cache
 
-from calib import LaserSensor
+from calib import CameraModel, LaserSensor
 from measure import Limits, Mounting, ReferenceProfile, WheelFrame, measure_wheel
 from station.documents import CalibrationDocument, WheelDocument, wheel_document
 from station.errors import InputUnusable, StationError
@@ -21,6 +21,7 @@ class UnreadBatch:
 
     source: str
     error: StationError
+    sensor: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,12 +71,14 @@ class WheelGauge:
         try:
             return [
                 WheelFrame(
-                    stripe=locate_wheel_stripe(frame.picture),
+                    stripe=locate_wheel_stripe(
+                        ensure_of_sensor(frame, self.sensor_id, self.sensor.camera).picture
+                    ),
                     frame=frame.number,
                     source=batch.source,
                     time_ns=frame.time_ns,
                 )
-                for frame in self._checked(batch)
+                for frame in batch.frames()
             ]
         except StationError as error:
             return UnreadBatch(batch.source, error)
@@ -93,28 +96,31 @@ class WheelGauge:
             sensor=self.sensor_id,
             frame=chosen.frame,
             frames=tuple(frame.frame for frame in frames),
-            time=_utc(chosen.time_ns),
+            time=utc(chosen.time_ns),
             reference=self.reference,
         )
 
-    def _checked(self, batch: Batch) -> Iterator[Frame]:
-        for frame in batch.frames():
-            self._check(frame)
-            yield frame
 
-    def _check(self, frame: Frame) -> None:
-        camera = self.sensor.camera
-        height, width = frame.picture.shape
-        if (width, height) != (camera.width, camera.height):
-            raise InputUnusable(
-                f"{frame.name} is {width} x {height} px but the calibration is of "
-                f"{camera.width} x {camera.height}; give pictures of the same camera"
-            )
-        if frame.sensor not in {None, self.sensor_id}:
-            raise InputUnusable(
-                f"{frame.name} is of sensor {frame.sensor} but the calibration is of "
-                f"{self.sensor_id}; give the calibration of that sensor"
-            )
+def ensure_of_sensor(frame: Frame, sensor: str, camera: CameraModel) -> Frame:
+    """Return a frame after checking that it can be of a sensor.
+
+    Raises
+    ------
+    InputUnusable
+        If it is of another size than the sensor's pictures, or says that it is of another sensor.
+    """
+    height, width = frame.picture.shape
+    if (width, height) != (camera.width, camera.height):
+        raise InputUnusable(
+            f"{frame.name} is {width} x {height} px but the calibration is of "
+            f"{camera.width} x {camera.height}; give pictures of the same camera"
+        )
+    if frame.sensor not in {None, sensor}:
+        raise InputUnusable(
+            f"{frame.name} is of sensor {frame.sensor} but the calibration is of "
+            f"{sensor}; give the calibration of that sensor"
+        )
+    return frame
 
 
 @lru_cache(maxsize=4)
@@ -123,5 +129,6 @@ def _made_again(calibration_json: str, reference: str, limits: Limits) -> WheelG
     return WheelGauge.of(calibration, reference, limits)
 
 
-def _utc(time_ns: int | None) -> datetime | None:
+def utc(time_ns: int | None) -> datetime | None:
+    """Return a time of the camera as a moment."""
     return None if time_ns is None else datetime.fromtimestamp(time_ns / 1e9, UTC)

@@ -12,13 +12,13 @@ from station.pipeline.cores import map_on_all_cores
 from station.pipeline.distinct_views import named_apart, without_copies
 from station.pipeline.frames import Frame, alike, count_frames, read_frames
 from station.pipeline.naming import distinct_names
-from station.pipeline.observe_group import Shot, observe_group
+from station.pipeline.observe_group import PoseShot, observe_group
 from station.progress import Progress, silent
 
 _Pose = tuple[Frame, ...]
-_Task = tuple[_Pose, Target, Picture | None]
+ObserveTask = tuple[_Pose, Target, Picture | None]
 
-_OBSERVE_S = 0.15
+OBSERVE_S = 0.15
 """What seeing the target in one picture takes."""
 
 
@@ -115,7 +115,7 @@ def _observe_pictures(
     names: list[str] = []
     first: Frame | None = None
 
-    def tasks() -> Iterator[_Task]:
+    def tasks() -> Iterator[ObserveTask]:
         nonlocal first
         for pose, off in _paired(sources, laser_off):
             first = first or pose[0]
@@ -125,7 +125,7 @@ def _observe_pictures(
             yield pose, target, off
 
     for done, seen in enumerate(
-        map_on_all_cores(_observe_one, tasks(), count=total, seconds_each=_OBSERVE_S), start=1
+        map_on_all_cores(observe_pose, tasks(), count=total, seconds_each=OBSERVE_S), start=1
     ):
         progress(min(done / total, 1.0), f"picture {done} of {total}")
         if isinstance(seen, View):
@@ -178,10 +178,13 @@ def _pose_key(frame: Frame) -> tuple[str, int] | None:
     return None if frame.exposure is None else (frame.source, frame.exposure.group)
 
 
-def _observe_one(task: _Task) -> View | str:
+def observe_pose(task: ObserveTask) -> View | str:
+    """Return what the pictures of one pose show together, or why they show no target."""
     pose, target, laser_off = task
     name = pose[0].name
-    shots = [Shot(one.name, one.picture, one.exposure) for one in pose if one.exposure is not None]
+    shots = [
+        PoseShot(one.name, one.picture, one.exposure) for one in pose if one.exposure is not None
+    ]
     try:
         if shots:
             return observe_group(shots, target)

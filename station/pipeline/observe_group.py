@@ -24,7 +24,7 @@ from station.pipeline.merge_points import merge_points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shot:
+class PoseShot:
     """One picture of the pose."""
 
     name: str
@@ -32,7 +32,7 @@ class Shot:
     exposure: Exposure
 
 
-def observe_group(shots: Sequence[Shot], target: Target) -> View:
+def observe_group(shots: Sequence[PoseShot], target: Target) -> View:
     """Return what the shots of one pose show together, under the name of the stripe's.
 
     Raises
@@ -61,7 +61,7 @@ def observe_group(shots: Sequence[Shot], target: Target) -> View:
     return View(likeliest.name, points, likeliest.stripe, likeliest.rivals, dot_radius)
 
 
-def _seen(shot: Shot, target: Target) -> View | None:
+def _seen(shot: PoseShot, target: Target) -> View | None:
     # A picture that differs from itself by nothing shows no stripe: a line of glare in a picture
     # taken with the laser off is not to be taken for one.
     dark = None if shot.exposure.laser else shot.picture
@@ -72,7 +72,7 @@ def _seen(shot: Shot, target: Target) -> View | None:
 
 
 def _stripe_of(
-    shot: Shot, shots: Sequence[Shot], dots: Shot, alone: View | None, target: Target
+    shot: PoseShot, shots: Sequence[PoseShot], dots: PoseShot, alone: View | None, target: Target
 ) -> View | None:
     """Return the shot with its stripe: less its laser-off partner, else as seen `alone`."""
     dark = next((one for one in shots if shot.exposure.differs_by_laser(one.exposure)), None)

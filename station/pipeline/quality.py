@@ -20,13 +20,14 @@ def gates(answer: Calibration) -> dict[str, Gate]:
     used = sum(view.cam_from_board is not None and not view.left_out for view in answer.views)
     return {
         "views_used": Gate(value=used, limit=FEWEST_VIEWS, passed=used >= FEWEST_VIEWS),
-        "dots_sigma_scale": _at_most(answer.solve.sigma_scale_dots, LARGEST_SIGMA_SCALE),
-        "stripe_sigma_scale": _at_most(answer.solve.sigma_scale_stripe, LARGEST_SIGMA_SCALE),
-        "sheet_sigma_mm": _at_most(_sheet_sigma_mm(answer), LARGEST_SHEET_SIGMA_MM),
+        "dots_sigma_scale": at_most(answer.solve.sigma_scale_dots, LARGEST_SIGMA_SCALE),
+        "stripe_sigma_scale": at_most(answer.solve.sigma_scale_stripe, LARGEST_SIGMA_SCALE),
+        "sheet_sigma_mm": at_most(_sheet_sigma_mm(answer), LARGEST_SHEET_SIGMA_MM),
     }
 
 
-def _at_most(value: float, limit: float) -> Gate:
+def at_most(value: float, limit: float) -> Gate:
+    """Return the gate of a figure that must not be greater than its limit."""
     return Gate(value=value, limit=limit, passed=bool(value <= limit))
 
 

@@ -33,6 +33,8 @@ _STYLE = (
     ".head{fill:#0b4a8f}.touch{fill:#fff;stroke:#0b4a8f;stroke-width:1.5}.tip{fill:#222}"
     ".reference{fill:none;stroke:#666;stroke-dasharray:6 3}"
     ".measured,.wear-line{fill:none;stroke:#b3261e;stroke-width:1.6}"
+    ".by-1{stroke:#1f6feb}.by-2{stroke:#1a7f37}.by-3{stroke:#8250df}.by-4{stroke:#bf8700}"
+    ".by-several{stroke:#b3261e}"
     ".wear{fill:#f6b26b;fill-opacity:.55}.band{fill:#b3261e;fill-opacity:.18}"
 )
 
@@ -91,7 +93,7 @@ def _panels(
     above = Panel(_LEFT_PX, top_px + _TITLE_PX, D_MM, H_MM, _SCALE, _SCALE)
     yield from profile_marks(above, wheel, drawn, reference)
     yield from readings_table(above, wheel)
-    yield from key(above, reference.name)
+    yield from key(above, reference.name, profile)
     span, ticks = wear_scale(drawn, shared_u95(wheel))
     below_px = above.top_px + above.height_px + _GAP_PX
     below = Panel(_LEFT_PX, below_px, D_MM, span, _SCALE, _WEAR_PX / (span[1] - span[0]))

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 from measure import Alarm, Quantity, Status
-from station.documents import ReadingDocument, WheelDocument
-from station.plots.panel import Panel, text
+from station.documents import ProfileDocument, ReadingDocument, WheelDocument
+from station.plots.panel import Panel, Place, text
 
 _ROW_PX = 15.0
 _LISTED = (
@@ -39,17 +39,39 @@ def readings_table(panel: Panel, wheel: WheelDocument) -> Iterator[str]:
             yield text("row", (x + _SAID_PX, at), f"{claimed[quantity]:.2f}", anchor="end")
 
 
-def key(panel: Panel, reference: str) -> Iterator[str]:
-    """Say what each line and each filling is, below the tread."""
+def line_of(bits: int) -> str:
+    """Return which line a part of the profile is, by the sensors of a rig that saw it.
+
+    >>> line_of(0), line_of(0b1), line_of(0b100), line_of(0b101)
+    ('measured', 'measured by-1', 'measured by-3', 'measured by-several')
+    """
+    if bits == 0:
+        return "measured"
+    return f"measured by-{bits.bit_length() if bits.bit_count() == 1 else 'several'}"
+
+
+def key(panel: Panel, reference: str, profile: ProfileDocument) -> Iterator[str]:
+    """Say what each line and each filling is, and which sensor saw what, below the tread."""
     x, y = panel.place(_AT_D_MM, panel.v_mm[0] + 4.0)
     for column, (name, words) in enumerate(_KEY):
         left = x + _COLUMN_PX * column
         if name in _FILLED:
             yield f'<rect class="{name}" x="{left:.1f}" y="{y - 9.0:.1f}" width="22" height="10"/>'
+            yield text("tick", (left + 27.0, y), words)
         else:
-            ends = f'x1="{left:.1f}" y1="{y - 4.0:.1f}" x2="{left + 22.0:.1f}" y2="{y - 4.0:.1f}"'
-            yield f'<line class="{name}" {ends}/>'
-        yield text("tick", (left + 27.0, y), words or reference)
+            yield from _line(name, words or reference, (left, y))
+    if profile.seen_by is None:
+        return
+    seen = [(line_of(1 << place), name) for place, name in enumerate(profile.sensors)]
+    for column, (name, words) in enumerate([*seen, (line_of(0b11), "several")]):
+        yield from _line(name, words, (x + _COLUMN_PX * column, y - _ROW_PX - 3.0))
+
+
+def _line(name: str, words: str, place_px: Place) -> Iterator[str]:
+    left, y = place_px
+    ends = f'x1="{left:.1f}" y1="{y - 4.0:.1f}" x2="{left + 22.0:.1f}" y2="{y - 4.0:.1f}"'
+    yield f'<line class="{name}" {ends}/>'
+    yield text("tick", (left + 27.0, y), words)
 
 
 def _shown(reading: ReadingDocument) -> str:

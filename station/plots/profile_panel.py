@@ -6,6 +6,7 @@ import numpy as np
 
 from measure import Quantity, ReferenceProfile
 from station.documents import WheelDocument
+from station.plots.legend import line_of
 from station.plots.panel import Panel
 from station.plots.shape import Drawn
 
@@ -35,7 +36,8 @@ def profile_marks(
     yield panel.polyline("reference", outline + [BACK_TO_TAPE_MM, 0.0])
     for run in drawn.runs():
         yield panel.polygon("band", drawn.band(run))
-        yield panel.polyline("measured", drawn.points_mm[run])
+        for bits, strand in drawn.strands(run):
+            yield panel.polyline(line_of(bits), drawn.points_mm[strand])
     yield from _datums(panel, drawn)
     yield from _dimensions(panel, wheel, drawn)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import FloatArray
+from calib import FloatArray, IntArray
 from measure import EN_15313, GaugeLevels, Quantity, ReferenceProfile
 from station.documents import ProfileDocument, WheelDocument
 
@@ -29,6 +29,8 @@ class Drawn:
         (d, h) of the flange tip.
     levels
         Where the gauges touch.
+    seen_by
+        Shape (N,), bits of the sensors of a rig that saw each point; None where one saw all.
     """
 
     points_mm: FloatArray
@@ -36,6 +38,7 @@ class Drawn:
     wear_mm: FloatArray
     tip_mm: tuple[float, float]
     levels: GaugeLevels
+    seen_by: IntArray | None = None
 
     @classmethod
     def of(
@@ -60,6 +63,7 @@ class Drawn:
                 # The profile is aligned there: its highest point alone carries its own noise.
                 reference.nominal[Quantity.FLANGE_HEIGHT],
             ),
+            seen_by=None if measured.seen_by is None else measured.seen_by[seen],
             levels=GaugeLevels(
                 tape_d_mm=said.get("L2", EN_15313.tape_d_mm),
                 face_mm=said.get("L3", EN_15313.face_mm),
@@ -74,6 +78,19 @@ class Drawn:
         for first, last in zip(ends, ends[1:], strict=False):
             if last - first >= 2:
                 yield slice(first, last)
+
+    def strands(self, run: slice) -> Iterator[tuple[int, slice]]:
+        """Yield the pieces of a run that the same sensors saw, with their bits; 0: one saw all.
+
+        Each goes on to the first point of the next, so that the line has no gap.
+        """
+        if self.seen_by is None:
+            yield 0, run
+            return
+        bits = self.seen_by[run]
+        ends = [0, *(np.flatnonzero(np.diff(bits)) + 1).tolist(), len(bits)]
+        for first, last in zip(ends, ends[1:], strict=False):
+            yield int(bits[first]), slice(run.start + first, min(run.start + last + 1, run.stop))
 
     def band(self, run: slice) -> FloatArray:
         """Return the outline of the 95 % band about a run."""

@@ -1,24 +1,57 @@
 """Recordings of several sensors, measured pass for pass, axle for axle."""
 
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from measure import Side
 from station.documents import WheelDocument
-from station.pipeline import WheelGauge, on_axles
+from station.pipeline import RigGauge, WheelGauge, on_axles
 from station.recording import info
 
 Parts = Sequence[Path]
 Measured = Callable[[Mapping[str, Parts], WheelGauge], Iterator[WheelDocument]]
 """Yields the wheels in recordings of one sensor."""
+MeasuredOnRig = Callable[[Mapping[str, str], RigGauge], Iterator[WheelDocument]]
+"""Yields the wheels in recordings of a rig's sensors, whose names are given by sensor."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lookers:
+    """What looks at the train.
+
+    Attributes
+    ----------
+    gauges
+        Of sensors by themselves, by sensor.
+    rigs
+        Of sensors that look at the same wheel, by rig.
+    sides
+        The side of each, where it is known: wheels of the others are put on no axle.
+    """
+
+    gauges: Mapping[str, WheelGauge]
+    rigs: Mapping[str, RigGauge] = field(default_factory=dict)
+    sides: Mapping[str, Side] = field(default_factory=dict)
+
+    @property
+    def first(self) -> WheelGauge | RigGauge:
+        """One of them: all have the same reference and limits."""
+        every: list[WheelGauge | RigGauge] = [*self.gauges.values(), *self.rigs.values()]
+        return every[0]
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """All sensors."""
+        return (*self.gauges, *(name for rig in self.rigs.values() for name in rig.rig.names))
 
 
 def wheels_of_passes(
     recordings: Mapping[str, Parts],
-    gauges: Mapping[str, WheelGauge],
-    sides: Mapping[str, Side],
+    lookers: Lookers,
     refused: MutableMapping[str, str],
     measured: Measured,
+    measured_on_rig: MeasuredOnRig,
 ) -> Iterator[WheelDocument]:
     """Yield the wheels of pass after pass, each with axle and side; those of one are in memory.
 
@@ -26,31 +59,59 @@ def wheels_of_passes(
     ----------
     recordings
         The files of each, by its name.
-    gauges
-        By sensor.
-    sides
-        Of the sensors, where they are known: wheels of the others are put on no axle.
+    lookers
+        What to measure with.
     refused
-        Recordings of which nothing is used, and why; is added to, by `measured` as well.
-    measured
+        Recordings of which nothing is used, and why; is added to, by what measures as well.
+    measured, measured_on_rig
         How to measure.
     """
-    for one_pass in _passes(recordings, gauges, refused):
+    for one_pass in _passes(recordings, lookers.sensors, refused):
         seen = {
-            sensor: tuple(measured({name: recordings[name]}, gauges[sensor]))
+            sensor: tuple(measured({name: recordings[name]}, lookers.gauges[sensor]))
             for sensor, name in one_pass.items()
+            if sensor in lookers.gauges
         }
-        sound = {sensor: seen[sensor] for sensor, name in one_pass.items() if name not in refused}
-        known = {sensor: own for sensor, own in sound.items() if sensor in sides}
-        yield from on_axles(known, sides)
-        for sensor, own in sound.items():
-            if sensor not in sides:
-                yield from own
+        sound = {sensor: own for sensor, own in seen.items() if one_pass[sensor] not in refused}
+        for rig, gauge in lookers.rigs.items():
+            own = {name: one_pass[name] for name in gauge.rig.names if name in one_pass}
+            wheels = _seen_by_rig(own, gauge, refused, measured_on_rig)
+            if wheels is not None:
+                sound[rig] = wheels
+        known = {looker: wheels for looker, wheels in sound.items() if looker in lookers.sides}
+        yield from on_axles(known, lookers.sides)
+        for looker, wheels in sound.items():
+            if looker not in lookers.sides:
+                yield from wheels
+
+
+def _seen_by_rig(
+    recordings: Mapping[str, str],
+    gauge: RigGauge,
+    refused: Mapping[str, str],
+    measured_on_rig: MeasuredOnRig,
+) -> tuple[WheelDocument, ...] | None:
+    """Return what a rig saw; None where nothing of it was recorded, or all is damaged.
+
+    What turns out to be damaged is left out, and the others are measured once more without it.
+    """
+    while True:
+        sound = {sensor: name for sensor, name in recordings.items() if name not in refused}
+        if not sound:
+            return None
+        missing = {
+            sensor: refused.get(recordings.get(sensor, ""), "no recording")
+            for sensor in gauge.rig.names
+            if sensor not in sound
+        }
+        wheels = tuple(measured_on_rig(sound, replace(gauge, silent=missing)))
+        if refused.keys().isdisjoint(sound.values()):
+            return wheels
 
 
 def _passes(
     recordings: Mapping[str, Parts],
-    gauges: Mapping[str, WheelGauge],
+    known: Sequence[str],
     refused: MutableMapping[str, str],
 ) -> list[dict[str, str]]:
     """Return, of each pass, the name of each sensor's recording."""
@@ -58,10 +119,10 @@ def _passes(
     for name, parts in recordings.items():
         about = info(parts[0])
         sensors = [one.sensor for one in about.sensors]
-        if len(sensors) != 1 or sensors[0] not in gauges:
+        if len(sensors) != 1 or sensors[0] not in known:
             refused[name] = (
                 f"{name} is of sensor {', '.join(sensors)} but the calibrations are of "
-                f"{', '.join(gauges)}; give one calibration of each sensor"
+                f"{', '.join(known)}; give one calibration of each sensor"
             )
             continue
         (sensor,) = sensors

@@ -5,7 +5,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from measure import Limits, Side
-from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
+from station.documents import (
+    CalibrationDocument,
+    MeasurementDocument,
+    RigDocument,
+    WheelDocument,
+)
 from station.errors import InputUnusable, StationError
 from station.exports import table_writer
 from station.pictures import RECORDING_SUFFIX
@@ -13,18 +18,21 @@ from station.pipeline import (
     FRAME_S,
     Batch,
     Cores,
+    RigGauge,
     UnreadBatch,
     WheelGauge,
     all_cores,
     distinct_names,
+    measured_on_rig,
     measured_wheels,
     recorded_batches,
 )
 from station.progress import Progress, silent
 from station.recording import info, parts_of, whole_recordings
-from station.replay.passes import wheels_of_passes
+from station.replay.passes import Lookers, wheels_of_passes
 from station.replay.report import Refusal, ReplayReport
 from station.replay.spool import Spool
+from station.settings import MAX_SKEW_US
 from station.software import SOFTWARE
 
 Parts = Sequence[Path]
@@ -35,9 +43,11 @@ def replay_recordings(
     calibration: CalibrationDocument | Sequence[CalibrationDocument],
     out: Path,
     *,
+    rigs: Sequence[RigDocument] = (),
     reference: str = "S1002",
     limits: Limits | None = None,
     sides: Mapping[str, Side] | None = None,
+    max_skew_us: Mapping[str, float] | None = None,
     progress: Progress = silent,
 ) -> ReplayReport:
     """Measure the wheels in recordings and write them to a table.
@@ -50,33 +60,36 @@ def replay_recordings(
     files
         Recordings of the calibration's sensor, or of several sensors with a calibration of each.
     calibration
-        With those of several sensors, the wheels of each pass stand axle for axle.
+        With those of several sensors, the wheels of each pass stand axle for axle. Those of a rig's
+        sensors are taken in place of what the rig rests on.
     out
         The table.
+    rigs
+        Sensors that are measured together.
     reference, limits, progress
         As of a measurement.
     sides
         The side of the train that each of several sensors looks at.
+    max_skew_us
+        Greatest time between frames of one shot, of single rigs.
 
     Raises
     ------
     InputUnusable
         If a file is no recording by its name or given twice, two calibrations are of one sensor,
-        or the table cannot be written.
+        two rigs share one, or the table cannot be written.
     """
     write = table_writer(out)
     given = [calibration] if isinstance(calibration, CalibrationDocument) else list(calibration)
-    gauges = {one.sensor: WheelGauge.of(one, reference, limits) for one in given}
-    if len(gauges) < len(given):
-        raise InputUnusable("two calibrations of one sensor; give one of each sensor")
+    lookers = _lookers(given, rigs, sides or {}, reference, limits)
     refused: dict[str, str] = {}
-    work = _Work(_recordings(files, refused), gauges, sides or {}, refused, progress)
+    work = _Work(_recordings(files, refused), lookers, max_skew_us or {}, refused, progress)
     with Spool(out.parent) as spool:
         with all_cores(alone_s=work.tally.total * FRAME_S) as cores:
             for wheel in work.wheels(cores):
                 spool.add(wheel)
         wheels = spool.wheels(without=refused)
-        write(out, _heading(given, gauges), work.tally.counted(wheels))
+        write(out, _heading(given, rigs, lookers), work.tally.counted(wheels))
     return ReplayReport(
         out=out,
         recordings=len(work.recordings.keys() - refused.keys()),
@@ -93,13 +106,13 @@ class _Work:
     def __init__(
         self,
         recordings: Mapping[str, Parts],
-        gauges: Mapping[str, WheelGauge],
-        sides: Mapping[str, Side],
+        lookers: Lookers,
+        max_skew_us: Mapping[str, float],
         refused: MutableMapping[str, str],
         progress: Progress,
     ) -> None:
         self.recordings = recordings
-        self._gauges, self._sides, self._refused = gauges, sides, refused
+        self._lookers, self._max_skew_us, self._refused = lookers, max_skew_us, refused
         total = max(1, sum(_frames_in(parts) for parts in recordings.values()))
         self.tally = _Tally(total, progress)
 
@@ -115,24 +128,73 @@ class _Work:
                 frames_done=self.tally.series(),
             )
 
-        if len(self._gauges) == 1:
-            return measured(self.recordings, *self._gauges.values())
-        return wheels_of_passes(self.recordings, self._gauges, self._sides, self._refused, measured)
+        def on_rig(chosen: Mapping[str, str], gauge: RigGauge) -> Iterator[WheelDocument]:
+            return measured_on_rig(
+                {
+                    sensor: _batches({name: self.recordings[name]}, self._refused)
+                    for sensor, name in chosen.items()
+                },
+                gauge,
+                cores,
+                max_skew_us=self._max_skew_us.get(gauge.rig_id, MAX_SKEW_US),
+                unread=self._refuse,
+                frames_done=self.tally.series(),
+            )
+
+        lookers = self._lookers
+        if len(lookers.gauges) == 1 and not lookers.rigs:
+            return measured(self.recordings, *lookers.gauges.values())
+        return wheels_of_passes(self.recordings, lookers, self._refused, measured, on_rig)
 
     def _refuse(self, unread: UnreadBatch) -> None:
         self._refused.setdefault(unread.source, str(unread.error))
 
 
+def _lookers(
+    calibrations: Sequence[CalibrationDocument],
+    rigs: Sequence[RigDocument],
+    sides: Mapping[str, Side],
+    reference: str,
+    limits: Limits | None,
+) -> Lookers:
+    by_sensor = {one.sensor: one for one in calibrations}
+    if len(by_sensor) < len(calibrations):
+        raise InputUnusable("two calibrations of one sensor; give one of each sensor")
+    in_rigs = [name for rig in rigs for name in rig.names]
+    if len(set(in_rigs)) < len(in_rigs):
+        raise InputUnusable("two rigs have a sensor in common; give one rig of each sensor")
+    return Lookers(
+        gauges={
+            sensor: WheelGauge.of(one, reference, limits)
+            for sensor, one in by_sensor.items()
+            if sensor not in in_rigs
+        },
+        rigs={
+            rig.rig: RigGauge.of(
+                rig,
+                reference,
+                limits,
+                calibrations=[by_sensor[name] for name in rig.names if name in by_sensor],
+            )
+            for rig in rigs
+        },
+        sides={**sides, **{rig.rig: rig.side for rig in rigs}},
+    )
+
+
 def _heading(
-    calibrations: Sequence[CalibrationDocument], gauges: Mapping[str, WheelGauge]
+    calibrations: Sequence[CalibrationDocument], rigs: Sequence[RigDocument], lookers: Lookers
 ) -> MeasurementDocument:
-    prints = {one.sensor: one.fingerprint for one in calibrations}
-    gauge = gauges[calibrations[0].sensor]
+    prints = {name: print_ for rig in rigs for name, print_ in rig.calibrations.items()}
+    prints |= {one.sensor: one.fingerprint for one in calibrations}
+    alone = len(prints) == 1
+    gauge = lookers.first
     return MeasurementDocument(
         created=datetime.now(UTC),
         software=SOFTWARE,
-        calibration=calibrations[0].fingerprint if len(prints) == 1 else None,
-        calibrations=prints if len(prints) > 1 else {},
+        calibration=next(iter(prints.values())) if alone else None,
+        calibrations={} if alone else prints,
+        rigs={rig.rig: rig.fingerprint for rig in rigs},
         reference=gauge.reference.name,
         regime=gauge.limits.regime,
         wheels=(),

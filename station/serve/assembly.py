@@ -22,7 +22,7 @@ def assemble_api(settings: StationSettings, run_dir: Path, *, admin_key: str | N
 
     Passes and sessions that were open when the last API process ended are taken up first.
     """
-    layout = DataLayout(settings.data_dir)
+    layout = DataLayout.of(settings)
     station = Station(
         settings=settings,
         store=Store.open(layout.store_url),

@@ -5,6 +5,7 @@ import os
 import socket
 
 from station.errors import InputUnusable
+from station.settings import TlsSettings
 
 _BACKLOG = 128
 
@@ -44,7 +45,8 @@ def _refusal(host: str, port: int, error: OSError) -> str:
     return f"{host} port {port}: {os.strerror(error.errno or 0)}; give an address of this host"
 
 
-def url_of(listening: socket.socket) -> str:
+def url_of(listening: socket.socket, tls: TlsSettings | None = None) -> str:
     """Return the URL under which the socket is reached."""
     host, port = listening.getsockname()[:2]
-    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+    scheme = "http" if tls is None else "https"
+    return f"{scheme}://[{host}]:{port}" if ":" in host else f"{scheme}://{host}:{port}"

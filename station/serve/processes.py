@@ -14,7 +14,6 @@ from station.serve.sockets import socket_path
 from station.settings import SensorSettings, StationSettings
 from station.worker import run_worker
 
-_GRACE_S = 3
 _SPAWN = get_context("spawn")  # never fork: Aravis and SQLite do not survive it
 
 
@@ -34,19 +33,22 @@ def start_api(
     return process
 
 
-def start_worker(settings: StationSettings) -> BaseProcess:
+def start_worker(settings: StationSettings, run_dir: Path) -> BaseProcess:
     """Start the worker process."""
-    process = _SPAWN.Process(target=_run_worker, args=(settings, os.getpid()), name="worker")
+    sockets = {sensor.id: socket_path(run_dir, sensor.id) for sensor in settings.sensors}
+    process = _SPAWN.Process(
+        target=_run_worker, args=(settings, sockets, os.getpid()), name="worker"
+    )
     process.start()
     return process
 
 
-def _run_worker(settings: StationSettings, supervisor_pid: int) -> None:
+def _run_worker(settings: StationSettings, sockets: dict[str, Path], supervisor_pid: int) -> None:
     end_with_parent(supervisor_pid)
     # Ctrl-C at a terminal reaches every process; in which order they end is the supervisor's.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     log_as("worker")
-    run_worker(settings)
+    run_worker(settings, sockets)
 
 
 def _run_api(
@@ -60,15 +62,8 @@ def _run_api(
     import uvicorn  # noqa: PLC0415  only this process pays for it
 
     from station.serve.assembly import assemble_api  # noqa: PLC0415  as above
+    from station.serve.web import server_config  # noqa: PLC0415  as above
 
     log_as("api")
     app = assemble_api(settings, run_dir, admin_key=admin_key)
-    config = uvicorn.Config(
-        app,
-        access_log=False,
-        log_config=None,
-        server_header=False,
-        # An event stream lasts as long as its job; the stop does not wait for it.
-        timeout_graceful_shutdown=_GRACE_S,
-    )
-    uvicorn.Server(config).run(sockets=[listening])
+    uvicorn.Server(server_config(app, settings)).run(sockets=[listening])

@@ -2,6 +2,7 @@
 
 import select
 import shutil
+import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -9,22 +10,22 @@ from pathlib import Path
 
 import structlog
 
-from station.operations import DataLayout, utc_now
+from station.operations import DataLayout
 from station.processes.stop_signal import StopSignal
+from station.serve.certificate import ensure_tls_usable
 from station.serve.children import Child, Handle
+from station.serve.first_key import Say, ensure_first_key
 from station.serve.listening import listen, url_of
 from station.serve.processes import start_api, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
 from station.settings import StationSettings
-from station.store import Scope, Store, add_key, any_key, ensure_unguessable, migrate
+from station.store import ensure_unguessable, migrate
 from station.worker import held
 
 _API_PATIENCE_S = 8.0
 _CAPTURE_PATIENCE_S = 20.0
 _WORKER_PATIENCE_S = 15.0
 _log = structlog.get_logger()
-
-Say = Callable[[str], None]
 
 
 def supervise(
@@ -45,36 +46,29 @@ def supervise(
     Raises
     ------
     InputUnusable
-        If the port is in use, the data folder cannot be used, or the key is too short.
+        If the port is in use, the data folder or the certificate cannot be used, or the key is too
+        short.
     StateConflict
         If a station runs already on this data folder.
     """
     if admin_key is not None:
         ensure_unguessable(admin_key)
-    layout = DataLayout(settings.data_dir)
+    ensure_tls_usable(settings.tls)
+    layout = DataLayout.of(settings)
     layout.ensure()
     with held(layout.station_lock, "a station"), listen(settings.host, settings.port) as listening:
         migrate(layout.store_url)
         if admin_key is None:
-            _ensure_admin_key(layout, say)
+            ensure_first_key(layout, say, to_a_person=sys.stderr.isatty())
         # In the temporary folder: the path of a Unix socket may have 107 bytes only.
         run_dir = Path(tempfile.mkdtemp(prefix="treadline-"))
         try:
             stop = StopSignal()
-            begin_announcing(url_of(listening), announce, stop)
+            begin_announcing(url_of(listening, settings.tls), announce, stop)
             start_the_api = partial(start_api, settings, run_dir, listening, admin_key)
             _run(_stages(settings, run_dir, start_the_api), stop)
         finally:
             shutil.rmtree(run_dir, ignore_errors=True)
-
-
-def _ensure_admin_key(layout: DataLayout, say: Say) -> None:
-    store = Store.open(layout.store_url)
-    with store.change() as session:
-        if not any_key(session):
-            key = add_key(session, "first admin", [Scope.ADMIN], at=utc_now())
-            say(f"admin key, shown this once: {key}")
-    store.close()
 
 
 Stages = Sequence[Sequence[Child]]
@@ -88,7 +82,7 @@ def _stages(
         Child(f"capture {sensor.id}", partial(start_sensor, sensor, run_dir), _CAPTURE_PATIENCE_S)
         for sensor in settings.sensors
     ]
-    worker = Child("worker", partial(start_worker, settings), _WORKER_PATIENCE_S)
+    worker = Child("worker", partial(start_worker, settings, run_dir), _WORKER_PATIENCE_S)
     return [Child("api", start_the_api, _API_PATIENCE_S), worker], captures
 
 

@@ -2,6 +2,16 @@
 
 from station.settings.limits import LimitSettings, LimitsSettings
 from station.settings.load import load_settings
+from station.settings.recalibration import (
+    DAYS,
+    CaptureSettings,
+    GateSettings,
+    PieceSettings,
+    PolicySettings,
+    RecalibrationSettings,
+    SensorRecalibrationSettings,
+)
+from station.settings.rig import MAX_SKEW_US, RigSettings
 from station.settings.sensor import (
     ExposureSettings,
     MountingSettings,
@@ -11,16 +21,28 @@ from station.settings.sensor import (
 )
 from station.settings.station import StationSettings
 from station.settings.storage import StorageSettings
+from station.settings.web import TlsSettings, WebSettings
 
 __all__ = [
+    "DAYS",
+    "MAX_SKEW_US",
+    "CaptureSettings",
     "ExposureSettings",
+    "GateSettings",
     "LimitSettings",
     "LimitsSettings",
     "MountingSettings",
+    "PieceSettings",
+    "PolicySettings",
+    "RecalibrationSettings",
     "RegionSettings",
+    "RigSettings",
     "SensorId",
+    "SensorRecalibrationSettings",
     "SensorSettings",
     "StationSettings",
     "StorageSettings",
+    "TlsSettings",
+    "WebSettings",
     "load_settings",
 ]

@@ -51,6 +51,8 @@ class LimitsSettings(Section):
     """The greatest such difference."""
     hollow_depth: LimitSettings | None = None
     """Depth of the tread's hollow."""
+    diameter: LimitSettings | None = None
+    """At the tape circle; where the sensors' sheets tell it."""
 
     @model_validator(mode="before")
     @classmethod

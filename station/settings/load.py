@@ -18,7 +18,7 @@ from station.settings.station import StationSettings
 def load_settings(path: Path) -> StationSettings:
     """Read the settings from a TOML file; variables ``STATION_NAME`` of the environment win.
 
-    A relative `data_dir`, or file of a `reference`, counts from the folder of the file.
+    Relative paths in it (data, reference, certificate, key) count from the folder of the file.
 
     Raises
     ------
@@ -56,5 +56,12 @@ def load_settings(path: Path) -> StationSettings:
     except OSError as error:
         raise InputUnusable(f"{path}: cannot be read ({error.strerror})") from error
     reference = path.parent / found.reference
-    beside = {"reference": str(reference.resolve())} if reference.is_file() else {}
-    return found.model_copy(update={"data_dir": (path.parent / found.data_dir).resolve(), **beside})
+    beside: dict[str, object] = {
+        "data_dir": (path.parent / found.data_dir).resolve(),
+        "recalibration": found.recalibration.beside(path.parent),
+    }
+    if reference.is_file():
+        beside["reference"] = str(reference.resolve())
+    if found.tls is not None:
+        beside["tls"] = found.tls.beside(path.parent)
+    return found.model_copy(update=beside)

@@ -2,10 +2,18 @@
 
 from station.storage.compacting import CompactedFiles, compact_measured
 from station.storage.retention import Candidate, Deletion, Usage, to_delete
-from station.storage.space import Expected, ensure_space, expected_of_pass, expected_of_session
+from station.storage.space import (
+    GB,
+    Expected,
+    ensure_space,
+    expected_of_pass,
+    expected_of_session,
+    free_bytes,
+)
 from station.storage.tidying import tidy
 
 __all__ = [
+    "GB",
     "Candidate",
     "CompactedFiles",
     "Deletion",
@@ -15,6 +23,7 @@ __all__ = [
     "ensure_space",
     "expected_of_pass",
     "expected_of_session",
+    "free_bytes",
     "tidy",
     "to_delete",
 ]

@@ -1,4 +1,4 @@
-"""Which calibration is in force on a sensor, and how another follows without a lost update."""
+"""Which calibration is in force on a sensor or a rig, and how another follows, none lost."""
 
 from datetime import datetime
 
@@ -6,8 +6,15 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from station.errors import InputUnusable, StateConflict, VersionConflict, VersionMissing
+from station.store.audit import Action, Actor, audit
 from station.store.states import CalibrationState
-from station.store.tables import Activation, Calibration
+from station.store.tables import (
+    Activation,
+    Calibration,
+    JsonObject,
+    RigActivation,
+    RigCalibration,
+)
 
 
 def active(session: Session, sensor: str) -> Activation | None:
@@ -26,7 +33,7 @@ def activate(
     *,
     sensor: str,
     seen: int | None,
-    by: str,
+    by: Actor,
     at: datetime,
 ) -> Activation:
     """Bring a calibration into force on a sensor.
@@ -49,35 +56,90 @@ def activate(
     """
     _ensure_fits(calibration, sensor)
     present = active(session, sensor)
-    version = 0 if present is None else present.version
-    if seen is None and present is not None:
-        raise VersionMissing(
-            f"sensor {sensor} has an active calibration, version {version}; "
-            "read it and send its ETag in If-Match"
-        )
-    if seen is not None and seen != version:
-        raise VersionConflict(
-            f"the active calibration of sensor {sensor} is at version {version}, not {seen}: "
-            "somebody changed it meanwhile; read it again and decide anew"
-        )
     new = Activation(
         sensor=sensor,
-        version=version + 1,
+        version=_next_version(f"sensor {sensor}", present, seen),
         calibration_id=calibration.id,
         activated_at=at,
-        activated_by=by,
+        activated_by=by.name,
     )
     session.add(new)
+    was = None if present is None else _state_of(present.version, present.calibration_id)
+    now = _state_of(new.version, calibration.id)
+    audit(session, Action.ACTIVATE, "sensor", sensor, by=by, at=at, before=was, after=now)
     session.flush()
     return new
 
 
-def _ensure_fits(calibration: Calibration, sensor: str) -> None:
-    if calibration.state is not CalibrationState.READY:
-        raise StateConflict(
-            f"calibration {calibration.id} is {calibration.state}; only a ready one can be active",
-            state=calibration.state,
+def active_rig(session: Session, rig: str) -> RigActivation | None:
+    """Return the activation in force on a rig, or None before the first."""
+    return session.scalar(
+        select(RigActivation)
+        .where(RigActivation.rig == rig)
+        .order_by(RigActivation.version.desc())
+        .limit(1)
+    )
+
+
+def activate_rig(
+    session: Session,
+    calibration: RigCalibration,
+    *,
+    rig: str,
+    seen: int | None,
+    by: Actor,
+    at: datetime,
+) -> RigActivation:
+    """Bring a rig's calibration into force; as `activate`, which see for what it raises."""
+    _ensure_ready(f"calibration {calibration.id} of a rig", calibration.state)
+    if calibration.rig != rig:
+        raise InputUnusable(
+            f"calibration {calibration.id} is of rig {calibration.rig}, not of {rig}; "
+            "give one of the same rig"
         )
+    present = active_rig(session, rig)
+    new = RigActivation(
+        rig=rig,
+        version=_next_version(f"rig {rig}", present, seen),
+        rig_calibration_id=calibration.id,
+        activated_at=at,
+        activated_by=by.name,
+    )
+    session.add(new)
+    was = None if present is None else _state_of(present.version, present.rig_calibration_id)
+    now = _state_of(new.version, calibration.id)
+    audit(session, Action.ACTIVATE, "rig", rig, by=by, at=at, before=was, after=now)
+    session.flush()
+    return new
+
+
+def _state_of(version: int, calibration: str) -> JsonObject:
+    """Return what the audit trail keeps of an activation."""
+    return {"version": version, "calibration": calibration}
+
+
+def _next_version(of: str, present: Activation | RigActivation | None, seen: int | None) -> int:
+    version = 0 if present is None else present.version
+    if seen is None and present is not None:
+        raise VersionMissing(
+            f"{of} has an active calibration, version {version}; "
+            "read it and send its ETag in If-Match"
+        )
+    if seen is not None and seen != version:
+        raise VersionConflict(
+            f"the active calibration of {of} is at version {version}, not {seen}: "
+            "somebody changed it meanwhile; read it again and decide anew"
+        )
+    return version + 1
+
+
+def _ensure_ready(what: str, state: CalibrationState) -> None:
+    if state is not CalibrationState.READY:
+        raise StateConflict(f"{what} is {state}; only a ready one can be active", state=state)
+
+
+def _ensure_fits(calibration: Calibration, sensor: str) -> None:
+    _ensure_ready(f"calibration {calibration.id}", calibration.state)
     if calibration.sensor != sensor:
         raise InputUnusable(
             f"calibration {calibration.id} is of sensor {calibration.sensor}, not of {sensor}; "

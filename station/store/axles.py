@@ -10,8 +10,7 @@ from measure import Placing, Side
 from station.store.tables import AxleWheel, Measurement, Pass
 
 RECENT = 3
-"""Passes that a jump is looked for in: the last is enough where it was measured whole, and each
-brings a profile of 40 kB to every wheel of a train."""
+"""Passes that a jump is looked for in: the last is enough where it was measured whole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +40,14 @@ def axles_of(session: Session, pass_id: str) -> Sequence[AxleWheel]:
 
 def places_of(session: Session, measurements: Iterable[Measurement]) -> dict[int, AxleWheel]:
     """Return the wheels of axles that measurements are of, by the measurement's id."""
-    passes = {measurement.pass_id for measurement in measurements}
-    rows = session.scalars(select(AxleWheel).where(AxleWheel.pass_id.in_(passes))).all()
-    found = {each: row for row in rows for each in row.others["measurements"]}
-    return found | {row.measurement_id: row for row in rows if row.measurement_id is not None}
+    passes = {measurement.id: measurement.pass_id for measurement in measurements}
+    own = select(AxleWheel).where(AxleWheel.measurement_id.in_(passes))
+    found = {row.measurement_id: row for row in session.scalars(own) if row.measurement_id}
+    # Seldom: a wheel that was seen more than once stands beside the surest of its measurements.
+    left = {pass_id for key, pass_id in passes.items() if key not in found}
+    beside = select(AxleWheel).where(AxleWheel.pass_id.in_(left))
+    others = {each: row for row in session.scalars(beside) for each in row.others["measurements"]}
+    return others | found
 
 
 def history_of(
@@ -71,18 +74,27 @@ def history_of(
     appearances
         Those whose place in the train is certain: one that is inferred may be another wheelset.
     """
+    newest = Pass.opened_at.desc(), AxleWheel.id.desc()
+    chosen = (
+        select(AxleWheel.id)
+        .join(Pass, AxleWheel.pass_id == Pass.id)
+        .where(AxleWheel.wheelset == wheelset)
+        .where(AxleWheel.placing == Placing.CERTAIN)
+        .where(AxleWheel.measurement_id.is_not(None))
+        .order_by(*newest)
+        .limit(most)
+    )
+    if side is not None:
+        chosen = chosen.where(AxleWheel.wheelset_side == side)
+    if before is not None:
+        chosen = chosen.where(Pass.opened_at < before.opened_at)
+    # Chosen first: sorting all that a wheelset ever was would read every one of its wheels.
     query = (
         select(AxleWheel, Pass, Measurement)
         .join(Pass, AxleWheel.pass_id == Pass.id)
         .join(Measurement, AxleWheel.measurement_id == Measurement.id)
-        .where(AxleWheel.wheelset == wheelset)
-        .where(AxleWheel.placing == Placing.CERTAIN)
-        .order_by(Pass.opened_at.desc(), AxleWheel.id.desc())
-        .limit(most)
+        .where(AxleWheel.id.in_(chosen))
+        .order_by(*newest)
     )
-    if side is not None:
-        query = query.where(AxleWheel.wheelset_side == side)
-    if before is not None:
-        query = query.where(Pass.opened_at < before.opened_at)
     found = [Appearance(*row) for row in session.execute(query)]
     return found[::-1]

@@ -1,23 +1,38 @@
 """Which recordings have served their purpose: what they were made for is in the store."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from station.store.states import CalibrationState, PassState
-from station.store.tables import Activation, Calibration, Measurement, Pass, Recording
+from station.store.tables import (
+    Activation,
+    Calibration,
+    Measurement,
+    Pass,
+    Recording,
+    RigActivation,
+    RigCalibration,
+)
 
 
 def measured_recordings(session: Session) -> Sequence[Recording]:
     """Return the recordings of passes that were measured and are still there, oldest first.
 
-    Measured with the calibration they were recorded under; one without a frame counts too.
+    Measured with the calibration they were recorded under; one without a frame counts too. A rig's
+    wheel is in the row of one of its recordings, and was measured from all of them.
     """
     measured = (
         select(Measurement.id)
         .where(Measurement.recording_id == Recording.id)
         .where(Measurement.calibration_id == Recording.calibration_id)
+        .exists()
+    )
+    on_rig = (
+        select(Measurement.id)
+        .where(Measurement.pass_id == Recording.pass_id)
+        .where(Measurement.rig_calibration_id == Recording.rig_calibration_id)
         .exists()
     )
     return session.scalars(
@@ -26,7 +41,7 @@ def measured_recordings(session: Session) -> Sequence[Recording]:
         .where(Pass.state.in_([PassState.DONE, PassState.RECOVERED]))
         .where(Recording.closed_at.is_not(None))
         .where(Recording.deleted_at.is_(None))
-        .where(or_(measured, Recording.recorded == 0))
+        .where(or_(measured, on_rig, Recording.recorded == 0))
         .order_by(Recording.opened_at, Recording.id)
     ).all()
 
@@ -50,19 +65,41 @@ def disposable_recordings(session: Session) -> Sequence[Recording]:
     )
 
 
+def recordings_in_use(session: Session) -> set[str]:
+    """Return the recordings that a calibration in force, or one being solved, was made from."""
+    _, kept = _calibrated_from(session)
+    return kept
+
+
 def _calibrated_from(session: Session) -> tuple[set[str], set[str]]:
     """Return the recordings of calibrations that are ready; those that one still needs."""
     newest = select(func.max(Activation.id)).group_by(Activation.sensor)
-    in_force = set(
-        session.scalars(select(Activation.calibration_id).where(Activation.id.in_(newest)))
-    )
+    newest_of_rigs = select(func.max(RigActivation.id)).group_by(RigActivation.rig)
+    in_force = {
+        *session.scalars(select(Activation.calibration_id).where(Activation.id.in_(newest))),
+        *session.scalars(
+            select(RigActivation.rig_calibration_id).where(RigActivation.id.in_(newest_of_rigs))
+        ),
+    }
     used: set[str] = set()
     kept: set[str] = set()
-    columns = Calibration.id, Calibration.state, Calibration.recording_ids
-    for calibration_id, state, recording_ids in session.execute(select(*columns)):
-        recordings = [name for names in recording_ids.values() for name in names]
+    for calibration_id, state, recordings in _made_from(session):
         if state is CalibrationState.READY:
             used.update(recordings)
         if state is CalibrationState.SOLVING or calibration_id in in_force:
             kept.update(recordings)
     return used, kept
+
+
+def _made_from(session: Session) -> Iterator[tuple[str, CalibrationState, list[str]]]:
+    """Yield all calibrations, of sensors and of rigs: id, state, and recordings."""
+    of_sensors = select(Calibration.id, Calibration.state, Calibration.recording_ids)
+    of_rigs = select(RigCalibration.id, RigCalibration.state, RigCalibration.ordered)
+    for calibration_id, state, recording_ids in session.execute(of_sensors):
+        yield calibration_id, state, _flat(recording_ids)
+    for calibration_id, state, order in session.execute(of_rigs):
+        yield calibration_id, state, _flat({} if order is None else order["recordings"])
+
+
+def _flat(by_kind: Mapping[str, Sequence[str]]) -> list[str]:
+    return [name for names in by_kind.values() for name in names]

@@ -15,7 +15,10 @@ class JobKind(StrEnum):
     """What a job does."""
 
     CALIBRATE = "calibrate"
+    CALIBRATE_RIG = "calibrate_rig"
     MEASURE = "measure"
+    RECALIBRATE = "recalibrate"
+    MEASURE_AGAIN = "measure_again"
 
 
 def add_job(session: Session, job_id: str, kind: JobKind, subject: str, *, at: datetime) -> Job:

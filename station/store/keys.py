@@ -1,20 +1,21 @@
-"""Bearer keys: made once, kept only as hashes."""
+"""Bearer keys: whose one is, and what it allows.  Kept are only hashes."""
 
 import hashlib
+import re
 import secrets
-from collections.abc import Iterable
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from enum import StrEnum
 
-from sqlalchemy import func, select
+from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from station.errors import InputUnusable
 from station.store.tables import Key
 
-_PREFIX = "tl"
+_FORM = re.compile(r"tl_(?P<id>[0-9a-f]{8})_(?P<secret>[A-Za-z0-9_-]{43})")
 _SHORTEST = 32
+_NOTED_EVERY = timedelta(minutes=5)
 
 
 class Scope(StrEnum):
@@ -40,6 +41,10 @@ class Caller:
 
     name: str
     scopes: frozenset[Scope]
+    key_id: str | None = None
+    """Absent where the key is none of the store."""
+    last_used_at: datetime | None = None
+    """When the key was noted to be used last."""
 
     def may(self, scope: Scope) -> bool:
         """Tell whether the caller's scopes include `scope`."""
@@ -54,31 +59,35 @@ def digest(secret: str) -> str:
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
-def add_key(session: Session, name: str, scopes: Iterable[Scope], *, at: datetime) -> str:
-    """Make a key and return its text, which is nowhere else to be had."""
-    key_id, secret = secrets.token_hex(4), secrets.token_urlsafe(32)
-    session.add(
-        Key(
-            id=key_id,
-            name=name,
-            scopes={"scopes": sorted(scopes)},
-            secret_sha256=digest(secret),
-            created_at=at,
-        )
-    )
-    return f"{_PREFIX}_{key_id}_{secret}"
-
-
 def caller_of(session: Session, text: str, *, at: datetime) -> Caller | None:
     """Return whose key `text` is, or None where it is nobody's, expired or revoked."""
-    prefix, _, rest = text.partition("_")
-    key_id, _, secret = rest.partition("_")
-    key = session.get(Key, key_id) if prefix == _PREFIX else None
-    if key is None or not secrets.compare_digest(digest(secret), key.secret_sha256):
+    parts = _FORM.fullmatch(text)
+    key = None if parts is None else session.get(Key, parts["id"])
+    if parts is None or key is None:
         return None
-    if key.revoked_at is not None or (key.expires_at is not None and key.expires_at <= at):
+    if not secrets.compare_digest(digest(parts["secret"]), key.secret_sha256):
         return None
-    return Caller(key.name, frozenset(Scope(scope) for scope in key.scopes["scopes"]))
+    if not usable(key, at=at):
+        return None
+    scopes = frozenset(Scope(scope) for scope in key.scopes["scopes"])
+    return Caller(key.name, scopes, key_id=key.id, last_used_at=key.last_used_at)
+
+
+def usable(key: Key, *, at: datetime) -> bool:
+    """Tell whether a key is neither revoked nor expired."""
+    return key.revoked_at is None and (key.expires_at is None or key.expires_at > at)
+
+
+def used_lately(caller: Caller, *, at: datetime) -> bool:
+    """Tell whether the use of a key need not be noted: a call must not cost a write."""
+    noted = caller.last_used_at
+    return caller.key_id is None or (noted is not None and at - noted < _NOTED_EVERY)
+
+
+def note_use(session: Session, caller: Caller, *, at: datetime) -> None:
+    """Note that a key was used."""
+    if caller.key_id is not None:
+        session.execute(update(Key).where(Key.id == caller.key_id).values(last_used_at=at))
 
 
 def ensure_unguessable(key: str) -> None:

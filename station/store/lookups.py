@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 
 from measure import Side
 from station.errors import NotFound
+from station.store.recalibration_tables import Recalibration
 from station.store.states import PASS, SESSION, PassState, SessionState
 from station.store.tables import (
     AxleWheel,
@@ -19,6 +20,7 @@ from station.store.tables import (
     Measurement,
     Pass,
     Recording,
+    RigCalibration,
     Table,
 )
 
@@ -29,11 +31,14 @@ _KIND: dict[type[Table], str] = {
     Recording: "recording",
     CalibrationSession: "calibration session",
     Calibration: "calibration",
+    RigCalibration: "calibration of a rig",
+    Recalibration: "recalibration",
     Job: "job",
+    Measurement: "measurement",
 }
 
 
-def the(session: Session, table: type[Row], row_id: str) -> Row:
+def the(session: Session, table: type[Row], row_id: str | int) -> Row:
     """Return the row of that id.
 
     Raises
@@ -58,7 +63,8 @@ def session_in_progress(session: Session, sensor: str) -> CalibrationSession | N
     """Return the calibration session that holds a sensor, if there is one."""
     return session.scalar(
         select(CalibrationSession)
-        .where(CalibrationSession.sensor == sensor)
+        .join(Recording, Recording.session_id == CalibrationSession.id)
+        .where(Recording.sensor == sensor)
         .where(CalibrationSession.state.in_(SESSION.unfinished))
         .limit(1)
     )
@@ -113,7 +119,8 @@ class Page(Generic[Row]):
     more: bool
 
 
-def _page(session: Session, query: Select[Row], limit: int) -> Page[Row]:
+def page_of(session: Session, query: Select[Row], limit: int) -> Page[Row]:
+    """Return the first rows of a query, and whether more follow."""
     rows = session.scalars(query.limit(limit + 1)).all()
     return Page(rows[:limit], more=len(rows) > limit)
 
@@ -124,7 +131,7 @@ def recordings_page(
     """Return recordings, the newest first, from those older than the key (opened_at, id)."""
     key = tuple_(Recording.opened_at, Recording.id)
     query = select(Recording).order_by(Recording.opened_at.desc(), Recording.id.desc())
-    return _page(session, query if before is None else query.where(key < before), limit)
+    return page_of(session, query if before is None else query.where(key < before), limit)
 
 
 def measurements_page(
@@ -141,26 +148,30 @@ def measurements_page(
 
     `side` is that of the train; with a `wheelset`, its own.
     """
-    query = select(Measurement).where(Measurement.id > after).order_by(Measurement.id)
+    of_axle = wheelset is not None or side is not None
+    # By the key of the table that an index finds them in: a wheelset's are few among all.
+    key = AxleWheel.measurement_id if of_axle else Measurement.id
+    query = select(Measurement).where(key > after).order_by(key)
     if pass_id is not None:
         query = query.where(Measurement.pass_id == pass_id)
     if sensor is not None:
         query = query.where(Measurement.sensor == sensor)
-    if wheelset is not None or side is not None:
+    if of_axle:
         query = query.join(AxleWheel, AxleWheel.measurement_id == Measurement.id)
     if wheelset is not None:
         query = query.where(AxleWheel.wheelset == wheelset)
     if side is not None:
         own = AxleWheel.side if wheelset is None else AxleWheel.wheelset_side
         query = query.where(own == side)
-    return _page(session, query, limit)
+    return page_of(session, query, limit)
 
 
 def frame_totals(session: Session) -> dict[tuple[str, str], int]:
-    """Return the frames of all recordings, by sensor and by what became of them."""
+    """Return the frames of all recordings made here, by sensor and by what became of them."""
     fates = ("recorded", "lost", "repeated", "refused")
     columns = [func.coalesce(func.sum(getattr(Recording, fate)), 0) for fate in fates]
-    rows = session.execute(select(Recording.sensor, *columns).group_by(Recording.sensor))
+    own = select(Recording.sensor, *columns).where(Recording.sha256.is_(None))
+    rows = session.execute(own.group_by(Recording.sensor))
     return {
         (row[0], fate): count for row in rows for fate, count in zip(fates, row[1:], strict=True)
     }

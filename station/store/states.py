@@ -51,6 +51,19 @@ class JobState(StrEnum):
     CANCELLED = "cancelled"
 
 
+class RecalibrationState(StrEnum):
+    """Where a recalibration of a sensor stands."""
+
+    WAITING = "waiting"
+    RUNNING = "running"
+    KEPT = "kept"
+    ACTIVATED = "activated"
+    ASKING = "asking"
+    REFUSED = "refused"
+    SUPERSEDED = "superseded"
+    FAILED = "failed"
+
+
 State = TypeVar("State", bound=StrEnum)
 
 
@@ -144,5 +157,32 @@ JOB = Transitions(
         JobState.DONE: frozenset(),
         JobState.FAILED: frozenset(),
         JobState.CANCELLED: frozenset(),
+    },
+)
+
+RECALIBRATION = Transitions(
+    "recalibration",
+    {
+        RecalibrationState.WAITING: frozenset({
+            RecalibrationState.RUNNING,
+            RecalibrationState.FAILED,
+        }),
+        RecalibrationState.RUNNING: frozenset({
+            RecalibrationState.KEPT,
+            RecalibrationState.ACTIVATED,
+            RecalibrationState.ASKING,
+            RecalibrationState.FAILED,
+        }),
+        # Superseded: a later one of the sensor has come to a decision before a person did.
+        RecalibrationState.ASKING: frozenset({
+            RecalibrationState.ACTIVATED,
+            RecalibrationState.REFUSED,
+            RecalibrationState.SUPERSEDED,
+        }),
+        RecalibrationState.KEPT: frozenset(),
+        RecalibrationState.ACTIVATED: frozenset(),
+        RecalibrationState.REFUSED: frozenset(),
+        RecalibrationState.SUPERSEDED: frozenset(),
+        RecalibrationState.FAILED: frozenset(),
     },
 )

@@ -18,7 +18,14 @@ from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 from sqlalchemy.types import TypeDecorator
 
 from measure import Placing, Side
-from station.store.states import CalibrationState, JobState, PassState, SessionState, State
+from station.store.states import (
+    CalibrationState,
+    JobState,
+    PassState,
+    RecalibrationState,
+    SessionState,
+    State,
+)
 
 JsonObject = dict[str, Any]
 
@@ -61,6 +68,7 @@ class Table(DeclarativeBase):
         SessionState: _state(SessionState),
         CalibrationState: _state(CalibrationState),
         JobState: _state(JobState),
+        RecalibrationState: _state(RecalibrationState),
         Side: _state(Side),
         Placing: _state(Placing),
     }
@@ -83,14 +91,16 @@ class Pass(Table):
 
 
 class CalibrationSession(Table):
-    """Pictures of a target taken one by one, to calibrate a sensor from."""
+    """Pictures of a target taken one by one, to calibrate a sensor or a rig from."""
 
     __tablename__ = "calibration_sessions"
 
     id: Mapped[str] = mapped_column(primary_key=True)
     state: Mapped[SessionState] = mapped_column(index=True)
-    sensor: Mapped[str]
+    sensor: Mapped[str | None]  # or
+    rig: Mapped[str | None]  # all sensors of one
     target: Mapped[str]
+    targets: Mapped[JsonObject | None]  # of a rig's sensors, where each has a board of its own
     pictures: Mapped[int]
     opened_at: Mapped[datetime]
     finished_at: Mapped[datetime | None]
@@ -112,6 +122,7 @@ class Recording(Table):
     opened_at: Mapped[datetime] = mapped_column(index=True)
     closed_at: Mapped[datetime | None]
     calibration_id: Mapped[str | None] = mapped_column(ForeignKey("calibrations.id"))
+    rig_calibration_id: Mapped[str | None] = mapped_column(ForeignKey("rig_calibrations.id"))
     expected: Mapped[int | None]  # frames the controller counted triggers for
     recorded: Mapped[int | None]
     lost: Mapped[int | None]
@@ -123,6 +134,7 @@ class Recording(Table):
     files: Mapped[int | None]  # a long recording goes on in a next one
     deleted_at: Mapped[datetime | None]
     deleted_why: Mapped[str | None] = mapped_column(Text)
+    sha256: Mapped[str | None] = mapped_column(index=True)  # of one that was uploaded
 
 
 class Calibration(Table):
@@ -167,6 +179,36 @@ class Activation(Table):
     activated_by: Mapped[str]
 
 
+class RigCalibration(Table):
+    """A calibration of a rig: uploaded, or solving, ready, or failed with a reason."""
+
+    __tablename__ = "rig_calibrations"
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    state: Mapped[CalibrationState]
+    rig: Mapped[str] = mapped_column(index=True)
+    ordered: Mapped[JsonObject | None]  # what to solve it from; none where it was uploaded
+    created_at: Mapped[datetime]
+    reason: Mapped[str | None] = mapped_column(Text)
+    job_id: Mapped[str | None]
+    document: Mapped[str | None] = mapped_column(Text)
+    passed: Mapped[bool | None]  # whether its figures keep the limits
+
+
+class RigActivation(Table):
+    """A rig's calibration coming into force; the last one counts, the rest is history."""
+
+    __tablename__ = "rig_activations"
+    __table_args__ = (UniqueConstraint("rig", "version"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    rig: Mapped[str]
+    version: Mapped[int]
+    rig_calibration_id: Mapped[str] = mapped_column(ForeignKey("rig_calibrations.id"))
+    activated_at: Mapped[datetime]
+    activated_by: Mapped[str]
+
+
 class Measurement(Table):
     """One wheel measured: from which frame, by which calibration and software, with what result."""
 
@@ -183,13 +225,23 @@ class Measurement(Table):
     recording_id: Mapped[str] = mapped_column(ForeignKey("recordings.id"))
     frame: Mapped[int]
     calibration_id: Mapped[str] = mapped_column(ForeignKey("calibrations.id"))
-    sensor: Mapped[str]
+    rig_calibration_id: Mapped[str | None] = mapped_column(ForeignKey("rig_calibrations.id"))
+    sensor: Mapped[str]  # or the rig, of a wheel that its sensors measured together
     pass_id: Mapped[str | None] = mapped_column(ForeignKey("passes.id"))
     reference: Mapped[str]
     software: Mapped[str]
     measured_at: Mapped[datetime]
-    wheel: Mapped[JsonObject]
+    wheel: Mapped[JsonObject]  # but its profile
     regime: Mapped[str | None]  # whose limits raised the alarms
+
+
+class MeasurementProfile(Table):
+    """The profile of a measured wheel: 40 kB that lists and trends never read."""
+
+    __tablename__ = "measurement_profiles"
+
+    measurement_id: Mapped[int] = mapped_column(ForeignKey("measurements.id"), primary_key=True)
+    profile: Mapped[JsonObject]
 
 
 class AxleWheel(Table):
@@ -200,6 +252,7 @@ class AxleWheel(Table):
         UniqueConstraint("pass_id", "place", "side"),
         Index("ix_axle_wheels_wheelset_wheelset_side_id", "wheelset", "wheelset_side", "id"),
         Index("ix_axle_wheels_measurement_id", "measurement_id"),
+        Index("ix_axle_wheels_wheelset_measurement_id", "wheelset", "measurement_id"),
     )
 
     id: Mapped[int] = mapped_column(primary_key=True)
@@ -249,3 +302,35 @@ class Key(Table):
     created_at: Mapped[datetime]
     expires_at: Mapped[datetime | None]
     revoked_at: Mapped[datetime | None]
+    last_used_at: Mapped[datetime | None]  # to within some minutes
+
+
+class KeptAnswer(Table):
+    """The answer to a call that carried an Idempotency-Key, for when the call comes again."""
+
+    __tablename__ = "kept_answers"
+
+    caller: Mapped[str] = mapped_column(primary_key=True)
+    key: Mapped[str] = mapped_column(primary_key=True)
+    fingerprint: Mapped[str]  # of method, address and body
+    asked_at: Mapped[datetime] = mapped_column(index=True)
+    status: Mapped[int | None]  # absent while the call is being answered
+    headers: Mapped[JsonObject | None]
+    body: Mapped[bytes | None]
+
+
+class AuditEntry(Table):
+    """What somebody changed; rows are added and never touched again, which triggers see to."""
+
+    __tablename__ = "audit_entries"
+    __table_args__ = (Index("ix_audit_entries_subject_id", "subject", "id"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    at: Mapped[datetime]
+    who: Mapped[str]
+    address: Mapped[str | None]  # of the caller, where it came over the network
+    action: Mapped[str]
+    kind: Mapped[str]  # of thing that was changed
+    subject: Mapped[str]  # its name
+    before: Mapped[JsonObject | None]
+    after: Mapped[JsonObject | None]

@@ -6,7 +6,7 @@ from sqlalchemy.orm import Session
 
 from measure import Jump, Limits, Placing, Quantity, jump_between
 from station.store import Appearance, AxleWheel, JsonObject, Measurement, Pass, history_of
-from station.trains.wheels import comparable, point_of
+from station.trains.wheels import Seen, comparable, point_of
 
 
 def jumps_of(
@@ -24,24 +24,25 @@ def jumps_of(
         return {}
     if wheel.placing is not Placing.CERTAIN:
         return {}
-    history = history_of(session, wheel.wheelset, side=wheel.wheelset_side, before=row)
-    now = Appearance(wheel, row, measured[wheel.measurement_id])
+    before = history_of(session, wheel.wheelset, side=wheel.wheelset_side, before=row)
+    history = [Seen.of(each) for each in before]
+    now = Seen.of(Appearance(wheel, row, measured[wheel.measurement_id]))
     found = {quantity: jump_to(history, now, quantity, limits) for quantity in limits.of}
     return {
         quantity.value: {
             "change": jump.change_mm,
             "u95": jump.u95_mm,
             "limit": jump.limit_mm,
-            "before": before,
+            "before": since,
         }
         for quantity, answer in found.items()
         if answer is not None
-        for jump, before in [answer]
+        for jump, since in [answer]
     }
 
 
 def jump_to(
-    history: Sequence[Appearance], now: Appearance, quantity: Quantity, limits: Limits
+    history: Sequence[Seen], now: Seen, quantity: Quantity, limits: Limits
 ) -> tuple[Jump, str] | None:
     """Return the jump of a quantity, and since which pass; None where there is none."""
     value = point_of(now, quantity)
@@ -50,7 +51,7 @@ def jump_to(
         return None
     for earlier in reversed(history):
         before = point_of(earlier, quantity)
-        if before is None or not comparable(earlier.measurement, now.measurement, quantity):
+        if before is None or not comparable(earlier, now, quantity):
             continue
         jump = jump_between(before, value, limit)
         return None if jump is None else (jump, earlier.of_pass.id)

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from itertools import groupby
 
 from sqlalchemy.orm import Session
 
 from measure import Axle, Placing, SeenWheel, Side, Track, assemble_train
 from station.limits import limits_of
-from station.settings import StationSettings
+from station.settings import SensorSettings, StationSettings
 from station.store import (
     AxleWheel,
     Measurement,
@@ -53,18 +54,36 @@ def _tracks(
     *,
     timed: bool,
 ) -> list[Track]:
+    """Return the track of each sensor, and one of each rig whose sensors were measured together."""
     tracks = []
-    for recording in recordings:
-        sensor = settings.sensor(recording.sensor)
-        if sensor is None:
+    for on_rig, members in groupby(sorted(recordings, key=_looker), key=_looker):
+        own = list(members)
+        sensors = [sensor for each in own if (sensor := settings.sensor(each.sensor)) is not None]
+        if not sensors:
             continue  # taken out of the settings since: nothing tells which side it looked at
-        own = [wheel for wheel in wheels if wheel.recording_id == recording.id]
-        seen = tuple(_seen(wheel, timed=timed) for wheel in own)
-        silent = None if seen else _why_silent(recording)
-        # The frames of a camera that runs free are numbered by nobody's triggers.
-        triggers = None if sensor.trigger == "free" else recording.expected
-        tracks.append(Track(sensor.id, Side(sensor.side), seen, triggers, silent))
+        names = {each.id for each in own}
+        seen = tuple(_seen(wheel, timed=timed) for wheel in wheels if wheel.recording_id in names)
+        rig = settings.rig_with(sensors[0].id) if on_rig[0] else None
+        silent = None if seen else _why_silent(own)
+        name = sensors[0].id if rig is None else rig.id
+        triggers = _triggers(own, sensors)
+        tracks.append(Track(name, Side(sensors[0].side), seen, triggers, silent))
     return tracks
+
+
+def _looker(recording: Recording) -> tuple[str, str]:
+    """Return what looked: a rig, or a sensor by itself."""
+    rig = recording.rig_calibration_id or ""
+    return rig, "" if rig else recording.sensor
+
+
+def _triggers(recordings: Sequence[Recording], sensors: Sequence[SensorSettings]) -> int | None:
+    """Return the triggers that were counted; None where they are not the same for all sensors."""
+    # The frames of a camera that runs free are numbered by nobody's triggers.
+    if any(sensor.trigger == "free" for sensor in sensors):
+        return None
+    counts = {recording.expected for recording in recordings}
+    return counts.pop() if len(counts) == 1 else None
 
 
 def _seen(row: Measurement, *, timed: bool) -> SeenWheel:
@@ -73,7 +92,13 @@ def _seen(row: Measurement, *, timed: bool) -> SeenWheel:
     return SeenWheel(row.id, time_s, first=min(frames), last=max(frames))
 
 
-def _why_silent(recording: Recording) -> str:
+def _why_silent(recordings: Sequence[Recording]) -> str:
+    if len(recordings) == 1:
+        return _why_one_is(recordings[0])
+    return "; ".join(f"{each.sensor}: {_why_one_is(each)}" for each in recordings)
+
+
+def _why_one_is(recording: Recording) -> str:
     if not recording.recorded:
         return "no frame was recorded"
     if recording.calibration_id is None:

@@ -8,9 +8,9 @@ from sqlalchemy.orm import Session
 
 from measure import Alarm, Limits, Quantity, Rate, Side, Status, TrendPoint, fit_trend
 from station.errors import NotFound
-from station.store import Appearance, history_of
+from station.store import history_of
 from station.trains.jumps import jump_to
-from station.trains.wheels import point_of, readings_of
+from station.trains.wheels import Seen, point_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,10 @@ def wheelset_trend(session: Session, wheelset: str, limits: Limits, *, most: int
     NotFound
         If no pass has measured it: none was certain to be it.
     """
-    histories = {side: history_of(session, wheelset, side=side, most=most) for side in Side}
+    histories = {
+        side: [Seen.of(each) for each in history_of(session, wheelset, side=side, most=most)]
+        for side in Side
+    }
     if not any(histories.values()):
         raise NotFound(f"wheelset {wheelset!r}: no measured pass has it at a place that is certain")
     return WheelsetTrend(
@@ -72,7 +75,7 @@ def wheelset_trend(session: Session, wheelset: str, limits: Limits, *, most: int
     )
 
 
-def _side(side: Side, history: Sequence[Appearance], limits: Limits) -> SideTrend:
+def _side(side: Side, history: Sequence[Seen], limits: Limits) -> SideTrend:
     found = {quantity: _quantity(history, quantity, limits) for quantity in Quantity}
     return SideTrend(
         side,
@@ -81,28 +84,28 @@ def _side(side: Side, history: Sequence[Appearance], limits: Limits) -> SideTren
     )
 
 
-def _quantity(history: Sequence[Appearance], quantity: Quantity, limits: Limits) -> QuantityTrend:
+def _quantity(history: Sequence[Seen], quantity: Quantity, limits: Limits) -> QuantityTrend:
     values: list[TrendValue] = []
     points: list[TrendPoint] = []
-    for place, appearance in enumerate(history):
-        point = point_of(appearance, quantity)
+    for place, seen in enumerate(history):
+        point = point_of(seen, quantity)
         if point is None:
             continue
-        jump = jump_to(history[:place], appearance, quantity, limits)
+        jump = jump_to(history[:place], seen, quantity, limits)
         # What came before a jump was another wheel, or another shape of this one.
         points = [point] if jump is not None else [*points, point]
-        values.append(_value(appearance, quantity, None if jump is None else jump[0].change_mm))
+        values.append(_value(seen, quantity, None if jump is None else jump[0].change_mm))
     trend = fit_trend(points)
     if trend is None:
         return QuantityTrend(tuple(values), len(points), None, None, None)
     return QuantityTrend(tuple(values), trend.passes, trend.per_day, trend.per_pass, trend.scatter)
 
 
-def _value(appearance: Appearance, quantity: Quantity, jump_mm: float | None) -> TrendValue:
-    reading = readings_of(appearance.measurement)[quantity]
+def _value(seen: Seen, quantity: Quantity, jump_mm: float | None) -> TrendValue:
+    reading = seen.readings[quantity]
     return TrendValue(
-        pass_id=appearance.of_pass.id,
-        at=appearance.of_pass.opened_at,
+        pass_id=seen.of_pass.id,
+        at=seen.of_pass.opened_at,
         value=reading.value or 0.0,
         u95=reading.u95 or 0.0,
         status=reading.status,

@@ -1,12 +1,29 @@
 """Readings of wheels as the store keeps them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
 
 from measure import Quantity, Reading, TrendPoint
 from station.documents import ReadingDocument
-from station.store import Appearance, Measurement
+from station.store import Appearance, Measurement, Pass
 
 _DAY_S = 86_400.0
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """A wheel of a wheelset in one pass: what was read, against which reference."""
+
+    of_pass: Pass
+    reference: str
+    readings: Mapping[Quantity, Reading]
+
+    @classmethod
+    def of(cls, appearance: Appearance) -> Self:
+        """Take the readings out of the store's row, once for all that is made of them."""
+        row = appearance.measurement
+        return cls(appearance.of_pass, row.reference, readings_of(row))
 
 
 def readings_of(row: Measurement) -> dict[Quantity, Reading]:
@@ -31,15 +48,15 @@ def surest(rows: Sequence[Measurement]) -> Measurement | None:
     return min(rows, key=doubt, default=None)
 
 
-def point_of(appearance: Appearance, quantity: Quantity) -> TrendPoint | None:
+def point_of(seen: Seen, quantity: Quantity) -> TrendPoint | None:
     """Return a wheel's value in one pass; None where it was not measured there."""
-    reading = readings_of(appearance.measurement)[quantity]
+    reading = seen.readings[quantity]
     if reading.value is None or not reading.u95:
         return None
-    return TrendPoint(appearance.of_pass.opened_at.timestamp() / _DAY_S, reading.value, reading.u95)
+    return TrendPoint(seen.of_pass.opened_at.timestamp() / _DAY_S, reading.value, reading.u95)
 
 
-def comparable(one: Measurement, other: Measurement, quantity: Quantity) -> bool:
+def comparable(one: Seen, other: Seen, quantity: Quantity) -> bool:
     """Tell whether a change between two readings would be the wheel's: read in the same way."""
-    same_way = readings_of(one)[quantity].status is readings_of(other)[quantity].status
+    same_way = one.readings[quantity].status is other.readings[quantity].status
     return same_way and one.reference == other.reference

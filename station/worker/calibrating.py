@@ -48,7 +48,7 @@ def calibrate(context: WorkContext, job_id: str) -> None:
 
 def _solve(context: WorkContext, job: Job) -> CalibrationOutcome:
     order = _order(context, job)
-    return context.calibrate(
+    return context.mathematics.calibrate(
         order.sources,
         order.target,
         sensor=order.sensor,

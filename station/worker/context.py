@@ -1,16 +1,16 @@
 """What the jobs work with; tests give their own mathematics."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 from typing import Protocol
 
 from calib import Method, Target
 from measure import Limits
-from station.documents import CalibrationDocument, MeasurementDocument
-from station.operations import DataLayout, utc_now
-from station.pipeline import CalibrationOutcome
+from station.documents import CalibrationDocument, MeasurementDocument, RigDocument
+from station.operations import Capture, DataLayout, utc_now
+from station.pipeline import CalibrationOutcome, RigOrder
 from station.progress import Progress
 from station.settings import MountingSettings, StationSettings
 from station.store import Store
@@ -46,6 +46,42 @@ class MeasureSources(Protocol):
     ) -> MeasurementDocument: ...
 
 
+class CalibrateRig(Protocol):
+    """From recordings of a rigid target to a rig."""
+
+    def __call__(
+        self, sources: Sequence[Path], order: RigOrder, *, progress: Progress
+    ) -> RigDocument: ...
+
+
+class MeasureRig(Protocol):
+    """From the recordings of a rig's sensors to readings."""
+
+    def __call__(
+        self,
+        sources: Mapping[str, Path],
+        rig: RigDocument,
+        *,
+        calibrations: Sequence[CalibrationDocument],
+        silent_sensors: Mapping[str, str],
+        all_sound: bool,
+        max_skew_us: float,
+        reference: str,
+        limits: Limits,
+        progress: Progress,
+    ) -> MeasurementDocument: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Mathematics:
+    """What the worker calculates with."""
+
+    calibrate: CalibrateSources
+    measure: MeasureSources
+    calibrate_rig: CalibrateRig
+    measure_rig: MeasureRig
+
+
 @dataclass(frozen=True, slots=True)
 class WorkContext:
     """The parts of the station that its jobs use."""
@@ -53,6 +89,7 @@ class WorkContext:
     settings: StationSettings
     store: Store
     layout: DataLayout
-    calibrate: CalibrateSources
-    measure: MeasureSources
+    mathematics: Mathematics
     now: Callable[[], datetime] = utc_now
+    captures: Mapping[str, Capture] = field(default_factory=dict)
+    """The sensors' capture processes; none where the station does not run."""

@@ -1,12 +1,13 @@
-"""The job that measures a pass, one recording a step."""
+"""The job that measures a pass: a recording a step, or all of a rig's."""
 
 from collections.abc import Sequence
 from typing import NotRequired, TypedDict
 
 from sqlalchemy.orm import Session
 
-from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
+from station.documents import CalibrationDocument
 from station.limits import limits_of
+from station.settings import StationSettings
 from station.store import (
     PASS,
     Calibration,
@@ -24,6 +25,10 @@ from station.store import (
 from station.trains import keep_axles
 from station.worker.context import WorkContext
 from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
+from station.worker.rows import measurement_row, recorded_on_rig, rows_on_rig, why_silent
+
+_ON_RIG = "rig:"
+"""What the name of a rig's step begins with; no recording's id has a colon in it."""
 
 
 class StepResult(TypedDict):
@@ -35,66 +40,62 @@ class StepResult(TypedDict):
 
 
 def begin_measuring(context: WorkContext, job_id: str) -> list[str]:
-    """Take the job up and return the recordings to measure; none where it has ended."""
+    """Take the job up and return the steps of its measuring; none where it has ended.
+
+    A step is a recording by its id, or, for sensors that were recorded on one rig, that rig's
+    calibration.
+    """
     job = begin(context, job_id)
     if job is None:
         return []
     with context.store.look() as session:
         recordings = recordings_of(session, the(session, Pass, job.subject))
-        return [each.id for each in recordings if each.recorded and each.calibration_id]
+        measurable = [each for each in recordings if each.recorded and each.calibration_id]
+        steps = [
+            each.id if each.rig_calibration_id is None else f"{_ON_RIG}{each.rig_calibration_id}"
+            for each in measurable
+        ]
+    return list(dict.fromkeys(steps))
 
 
-def measure_recording(
-    context: WorkContext, job_id: str, recording_id: str, *, place: int, of: int
+def measure_step(
+    context: WorkContext, job_id: str, step: str, *, place: int, of: int
 ) -> StepResult:
-    """Measure the wheels of one recording and keep them; a second time adds nothing."""
-    with context.store.look() as session:
-        recording = the(session, Recording, recording_id)
-        calibration = the(session, Calibration, recording.calibration_id or "")
+    """Measure the wheels of one step and keep them; a second time adds nothing."""
+    progress = JobProgress(context, job_id, first=place / of, last=(place + 1) / of)
+    name = step
     try:
-        found = context.measure(
-            [context.layout.root / recording.path],
-            CalibrationDocument.model_validate_json(calibration.document or ""),
-            reference=context.settings.reference,
-            limits=limits_of(context.settings.limits),
-            progress=JobProgress(context, job_id, first=place / of, last=(place + 1) / of),
-        )
+        if step.startswith(_ON_RIG):
+            on_rig = recorded_on_rig(context, job_id, step.removeprefix(_ON_RIG))
+            name = f"rig {on_rig.document.rig}"
+            rows = rows_on_rig(context, on_rig, progress)
+        else:
+            rows = _rows(context, step, progress)
     except JobCancelled:
-        return StepResult(recording=recording_id, refused="cancelled")
+        return StepResult(recording=name, refused="cancelled")
     except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
-        return StepResult(recording=recording_id, refused=one_line(error, job_id))
-    rows = [
-        _row(context, recording, wheel, place=at, found=found)
-        for at, wheel in enumerate(found.wheels)
-    ]
+        return StepResult(recording=name, refused=one_line(error, job_id))
     with context.store.change() as session:
         if the(session, Job, job_id).state is JobState.RUNNING:
             add_measurements(session, rows)
-    return StepResult(recording=recording_id, wheels=len(rows))
+    return StepResult(recording=name, wheels=len(rows))
 
 
-def _row(
-    context: WorkContext,
-    recording: Recording,
-    wheel: WheelDocument,
-    *,
-    place: int,
-    found: MeasurementDocument,
-) -> Measurement:
-    # A wheel without a frame of its own still needs a key: no camera gives a negative one.
-    frame = wheel.frame if wheel.frame is not None else -1 - place
-    return Measurement(
-        recording_id=recording.id,
-        frame=frame,
-        calibration_id=recording.calibration_id,
-        sensor=recording.sensor,
-        pass_id=recording.pass_id,
-        reference=found.reference,
-        regime=found.regime,
-        software=found.software,
-        measured_at=context.now(),
-        wheel=wheel.model_dump(mode="json"),
+def _rows(context: WorkContext, recording_id: str, progress: JobProgress) -> list[Measurement]:
+    with context.store.look() as session:
+        recording = the(session, Recording, recording_id)
+        calibration = the(session, Calibration, recording.calibration_id or "")
+    found = context.mathematics.measure(
+        [context.layout.root / recording.path],
+        CalibrationDocument.model_validate_json(calibration.document or ""),
+        reference=context.settings.reference,
+        limits=limits_of(context.settings.limits),
+        progress=progress,
     )
+    return [
+        measurement_row(context, recording, wheel, place=at, found=found)
+        for at, wheel in enumerate(found.wheels)
+    ]
 
 
 def conclude_measuring(context: WorkContext, job_id: str, results: Sequence[StepResult]) -> None:
@@ -111,17 +112,27 @@ def conclude_measuring(context: WorkContext, job_id: str, results: Sequence[Step
         recordings = recordings_of(session, row)
         cut = any(recording.recovered for recording in recordings)
         _step(row, PassState.RECOVERED if cut else PassState.DONE)
-        row.reason = "; ".join([*refused, *_unmeasured(recordings)]) or None
+        single = _measured_singly(context.settings, recordings)
+        row.reason = "; ".join([*refused, *_unmeasured(recordings), *single]) or None
         _keep_axles(context, session, row)
         end(job, JobState.DONE, at=context.now())
 
 
 def _unmeasured(recordings: Sequence[Recording]) -> list[str]:
     return [
-        f"{recording.id}: "
-        + ("no frame was recorded" if not recording.recorded else "no calibration was active")
+        f"{recording.id}: {why_silent(recording)}"
         for recording in recordings
         if not (recording.recorded and recording.calibration_id)
+    ]
+
+
+def _measured_singly(settings: StationSettings, recordings: Sequence[Recording]) -> list[str]:
+    """Say which rigs were not measured together: nothing told how their sensors stand."""
+    loose = {each.sensor for each in recordings if each.rig_calibration_id is None}
+    return [
+        f"rig {rig.id}: no calibration was active, its sensors were measured one by one"
+        for rig in settings.rigs
+        if loose & set(rig.sensors)
     ]
 
 

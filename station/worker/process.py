@@ -3,17 +3,21 @@
 import math
 import signal
 import time
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Protocol
 
 import structlog
 
-from station.operations import DataLayout
+from station.capture import CaptureClient
+from station.operations import Capture, DataLayout
 from station.processes.stop_signal import StopSignal
 from station.settings import StationSettings
 from station.storage import tidy
 from station.store import Store
-from station.worker.context import CalibrateSources, MeasureSources, WorkContext
+from station.worker.context import Mathematics, WorkContext
 from station.worker.lock import held
+from station.worker.scheduling import order_what_is_owed
 from station.worker.workflows import Workflows
 
 _SWEEP_S = 1.0
@@ -32,15 +36,15 @@ class Stop(Protocol):
 
 def work(
     settings: StationSettings,
+    mathematics: Mathematics,
     *,
-    calibrate: CalibrateSources,
-    measure: MeasureSources,
     stop: Stop,
+    captures: Mapping[str, Capture] | None = None,
 ) -> None:
     """Run the jobs until `stop` is set; the next worker takes up what is then unfinished."""
-    layout = DataLayout(settings.data_dir)
+    layout = DataLayout.of(settings)
     store = Store.open(layout.store_url)
-    context = WorkContext(settings, store, layout, calibrate, measure)
+    context = WorkContext(settings, store, layout, mathematics, captures=captures or {})
     workflows = Workflows(context)
     workflows.launch()
     tidied_s = -math.inf
@@ -49,6 +53,7 @@ def work(
         _log.info("worker ready")
         while not stop.is_set():
             workflows.take_in()
+            order_what_is_owed(context)
             if time.monotonic() - tidied_s >= _TIDY_S:
                 _tidy(context)
                 tidied_s = time.monotonic()
@@ -65,12 +70,24 @@ def _tidy(context: WorkContext) -> None:
         _log.warning("disk not tidied", why=str(error))
 
 
-def run_worker(settings: StationSettings) -> None:
-    """Be the worker process of a station: run its jobs until SIGTERM."""
+def run_worker(settings: StationSettings, sockets: Mapping[str, Path]) -> None:
+    """Be the worker process of a station: run its jobs until SIGTERM.
+
+    `sockets` are those of the sensors' capture processes.
+    """
     # Only the process that does the mathematics needs these.
-    from station.pipeline import calibrate_sources, measure_sources  # noqa: PLC0415  as above
+    from station.pipeline import (  # noqa: PLC0415  as above
+        calibrate_rig_sources,
+        calibrate_sources,
+        measure_rig,
+        measure_sources,
+    )
     from station.processes.one_core import use_one_core  # noqa: PLC0415  as above
 
     use_one_core()  # the other belongs to camera and disk
     stop = StopSignal((signal.SIGTERM,))
-    work(settings, calibrate=calibrate_sources, measure=measure_sources, stop=stop)
+    mathematics = Mathematics(
+        calibrate_sources, measure_sources, calibrate_rig_sources, measure_rig
+    )
+    captures = {sensor: CaptureClient(path) for sensor, path in sockets.items()}
+    work(settings, mathematics, stop=stop, captures=captures)

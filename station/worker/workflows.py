@@ -12,19 +12,30 @@ from dbos import DBOS, DBOSConfig, SetWorkflowID
 
 from station.store import Job, JobKind, JobState, unfinished_jobs
 from station.worker.calibrating import calibrate, fail_calibration
+from station.worker.calibrating_rig import calibrate_rig, fail_rig_calibration
 from station.worker.context import WorkContext
 from station.worker.measuring import (
     StepResult,
     begin_measuring,
     conclude_measuring,
     fail_measuring,
-    measure_recording,
+    measure_step,
 )
+from station.worker.measuring_again import fail_measuring_again
 from station.worker.queue import APPLICATION, APPLICATION_VERSION, EXECUTOR_ID
+from station.worker.recalibrating import fail_recalibration
+from station.worker.recalibration_workflows import register_recalibrating
 
 _MOST_ATTEMPTS = 5
 _POLLING_S = 0.1
 _GIVEN_UP = {"ERROR", "CANCELLED", "MAX_RECOVERY_ATTEMPTS_EXCEEDED"}
+_FAIL: dict[JobKind, Callable[[WorkContext, str, str], None]] = {
+    JobKind.CALIBRATE: fail_calibration,
+    JobKind.CALIBRATE_RIG: fail_rig_calibration,
+    JobKind.MEASURE: fail_measuring,
+    JobKind.RECALIBRATE: fail_recalibration,
+    JobKind.MEASURE_AGAIN: fail_measuring_again,
+}
 _log = structlog.get_logger()
 
 
@@ -68,8 +79,7 @@ class Workflows:
                 self._fail(job, f"the worker ended it ({known.status.lower()}); order it again")
 
     def _fail(self, job: Job, why: str) -> None:
-        fail = fail_measuring if job.kind == JobKind.MEASURE else fail_calibration
-        fail(self._context, job.id, why)
+        _FAIL[JobKind(job.kind)](self._context, job.id, why)
 
     def stop(self, patience_s: int) -> None:
         """Stop the engine; a step not done in time is done again after the next start."""
@@ -88,9 +98,10 @@ def _register(context: WorkContext) -> dict[JobKind, Callable[[str], None]]:
     def begin_step(job_id: str) -> list[str]:
         return begin_measuring(context, job_id)
 
+    # Its name is of a time when a step was always one recording; a log that names it goes on.
     @DBOS.step(name="measure_recording")
-    def measure_step(job_id: str, recording_id: str, place: int, of: int) -> StepResult:
-        return measure_recording(context, job_id, recording_id, place=place, of=of)
+    def measuring_step(job_id: str, step: str, place: int, of: int) -> StepResult:
+        return measure_step(context, job_id, step, place=place, of=of)
 
     @DBOS.step(name="conclude_measuring")
     def conclude_step(job_id: str, results: list[StepResult]) -> None:
@@ -102,11 +113,23 @@ def _register(context: WorkContext) -> dict[JobKind, Callable[[str], None]]:
 
     @DBOS.workflow(name=JobKind.MEASURE.value, max_recovery_attempts=_MOST_ATTEMPTS)
     def measure_workflow(job_id: str) -> None:
-        recordings = begin_step(job_id)
+        steps = begin_step(job_id)
         results = [
-            measure_step(job_id, recording, place, len(recordings))
-            for place, recording in enumerate(recordings)
+            measuring_step(job_id, step, place, len(steps)) for place, step in enumerate(steps)
         ]
         conclude_step(job_id, results)
 
-    return {JobKind.CALIBRATE: calibrate_workflow, JobKind.MEASURE: measure_workflow}
+    @DBOS.step(name="calibrate_rig")
+    def solve_rig_step(job_id: str) -> None:
+        calibrate_rig(context, job_id)
+
+    @DBOS.workflow(name=JobKind.CALIBRATE_RIG.value, max_recovery_attempts=_MOST_ATTEMPTS)
+    def calibrate_rig_workflow(job_id: str) -> None:
+        solve_rig_step(job_id)
+
+    return {
+        JobKind.CALIBRATE: calibrate_workflow,
+        JobKind.CALIBRATE_RIG: calibrate_rig_workflow,
+        JobKind.MEASURE: measure_workflow,
+        **register_recalibrating(context, _MOST_ATTEMPTS),
+    }

@@ -57,6 +57,21 @@ def test_profile_and_reference_lie_where_they_were_measured(wheel):
     np.testing.assert_allclose(h[on_tread], S1002.height_mm(d[on_tread] - 70.0), atol=0.05)
 
 
+def test_parts_of_a_profile_are_drawn_by_the_sensors_that_saw_them(wheel):
+    count = len(wheel.profile.d_mm)
+    seen_by = [1] * (count // 3) + [3] * (count // 3) + [2] * (count - 2 * (count // 3))
+    of_rig = wheel.profile.model_copy(update={"sensors": ("inner", "outer"), "seen_by": seen_by})
+    root = drawn(wheel.model_copy(update={"profile": of_rig}))
+    parts = [named(root, "polyline", f"measured by-{name}") for name in ("1", "several", "2")]
+    assert [len(part) for part in parts] == [1, 1, 1]
+    (inner,), (both,), (outer,) = parts
+    # Each goes on to the next: there is no gap in the line.
+    np.testing.assert_array_equal(points(inner)[-1], points(both)[0])
+    np.testing.assert_array_equal(points(both)[-1], points(outer)[0])
+    assert {"inner", "outer", "several"} <= set(words(root))
+    assert "several" not in words(drawn(wheel))
+
+
 def test_gauges_are_drawn_at_their_values(wheel):
     root = drawn(wheel)
     lengths = sorted(

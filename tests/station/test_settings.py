@@ -90,6 +90,68 @@ def test_a_sensor_that_mirrors_the_left_one_across_the_track_is_the_right_one(re
     assert (made.side, read(GOOD).sensor("right").side) == ("right", "left")
 
 
+RIGS = """
+data_dir = "data"
+[[sensors]]
+id = "outer"
+address = "192.168.1.2"
+[[sensors]]
+id = "inner"
+address = "192.168.1.3"
+[sensors.mounting]
+rotation_vector = [0, 0, 0]
+translation_mm = [0, 0, 0]
+[[sensors]]
+id = "lone"
+address = "192.168.1.4"
+side = "right"
+[[rigs]]
+id = "wheel"
+sensors = ["outer", "inner"]
+"""
+
+
+def test_a_rig_stands_where_its_first_surveyed_sensor_does_and_sees_what_its_sensors_see(read):
+    settings = read(RIGS)
+    rig = settings.rig("wheel")
+    assert (settings.anchor_of(rig), settings.side_of(rig)) == ("inner", "left")
+    told = read(RIGS + 'anchor = "outer"\nside = "left"\n')
+    assert told.anchor_of(told.rig("wheel")) == "outer"
+
+
+def test_a_sensor_in_no_rig_is_measured_by_itself(read):
+    settings = read(RIGS)
+    assert settings.rig_with("inner") is settings.rig("wheel")
+    assert settings.rig_with("lone") is None
+    assert read(GOOD).rigs == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (RIGS.replace('["outer", "inner"]', '["outer", "iner"]'), "the station has outer, inner"),
+        (RIGS.replace('["outer", "inner"]', '["outer", "lone"]'), "but its sensor 'lone' of the"),
+        (RIGS.replace('["outer", "inner"]', '["outer"]'), "rigs.0.sensors: Tuple should have at"),
+        (RIGS.replace('["outer", "inner"]', '["outer", "outer"]'), "names sensor outer twice"),
+        (RIGS + 'anchor = "lone"\n', "allowed: one of its sensors, outer, inner"),
+        (RIGS + 'side = "right"\n', "is of the right side but its sensor 'outer' of the left"),
+        (RIGS + "max_skew_us = 0\n", "rigs.0.max_skew_us: Input should be greater than 0"),
+        (RIGS + "sigma_vibration_mm = 0\n", "rigs.0.sigma_vibration_mm: Input should be greater"),
+        (RIGS.replace('"wheel"', '"lone"'), "rig 'lone': a sensor has that name"),
+        (RIGS + RIGS[RIGS.index("[[rigs]]") :], "rig 'wheel': another rig has that name"),
+        (
+            RIGS + '[[rigs]]\nid = "again"\nsensors = ["inner", "outer"]\n',
+            "sensor 'outer' is in two rigs",
+        ),
+    ],
+)
+def test_a_rig_that_does_not_fit_the_sensors_is_one_line_that_names_it(read, text, says):
+    with pytest.raises(InputUnusable) as refusal:
+        read(text)
+    assert says in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
 def test_limits_are_those_of_practice_where_none_are_given(read):
     assert limits_of(read(GOOD).limits) == Limits.default()
 

@@ -1,4 +1,4 @@
-"""A train goes by a station once more: its cameras play the recordings of the first time."""
+"""A train goes by a station once more: its cameras show the pictures of the first time."""
 
 import os
 import secrets
@@ -8,26 +8,31 @@ import time
 import tomllib
 from contextlib import ExitStack, contextmanager
 
+import numpy as np
+
 from station.client import StationClient
-from station.recording import info
+from station.demo.rendering import RenderedFrames
+from station.demo.trackside import roll_train_by
+from station.recording import frames
+from station.simulated import SimulatedCameraProcess
 
 READY_S = 60.0
 
 
 def pass_again(folder, pass_id, recordings):
-    """Serve the station that `folder` was left by, and let cameras play a recording each.
+    """Serve the station that `folder` was left by, and let each camera show a recording again.
 
-    `recordings` are by sensor. Return the wheels that the API gives for the new pass.
+    `recordings` are by sensor. All cameras are triggered together, as those of a rig must be.
+    Return the wheels that the API gives for the new pass.
     """
     config = folder / "station.toml"
     settings = tomllib.loads(config.read_text())
     key = secrets.token_urlsafe(32)
     with ExitStack() as stack:
-        for sensor in settings["sensors"]:
-            path = recordings[sensor["id"]]
-            arguments = ["camera", "simulate", "--address", sensor["address"], "--from", path]
-            camera = stack.enter_context(_process(*arguments, "--once", stdout=subprocess.PIPE))
-            assert b"its own timing" in camera.stdout.readline()
+        cameras = {
+            sensor["id"]: stack.enter_context(_camera(folder, sensor, recordings[sensor["id"]]))
+            for sensor in settings["sensors"]
+        }
         environment = {**os.environ, "STATION_ADMIN_KEY": key}
         log = stack.enter_context((folder / "second.log").open("wb"))
         stack.enter_context(_process("serve", "--config", config, stderr=log, env=environment))
@@ -35,14 +40,16 @@ def pass_again(folder, pass_id, recordings):
         client = stack.enter_context(StationClient.connect(url, key))
         _await_ready(client)
         client.arm_pass(pass_id)
-        closed = client.finish_pass(pass_id, triggers=_frames_in(recordings))
+        closed = client.finish_pass(pass_id, triggers=roll_train_by(cameras))
         assert all(recording["complete"] for recording in closed["recordings"]), closed
         client.await_pass(pass_id, timeout_s=READY_S)
         return client.wheels(pass_id)
 
 
-def _frames_in(recordings):
-    return {sensor: info(path).sensors[0].frames for sensor, path in recordings.items()}
+def _camera(folder, sensor, recording):
+    pictures = folder / f"again-{sensor['id']}.npy"
+    np.save(pictures, [frame.picture for frame in frames(recording, sensor["id"])])
+    return SimulatedCameraProcess(sensor["address"], RenderedFrames(pictures), serial=sensor["id"])
 
 
 @contextmanager

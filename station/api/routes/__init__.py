@@ -3,12 +3,15 @@
 from fastapi import APIRouter
 
 from station.api.routes import (
+    audit,
     calibrations,
     health,
     jobs,
     passes,
+    recalibrations,
     recordings,
     results,
+    rigs,
     sessions,
     station,
     wheelsets,
@@ -20,10 +23,13 @@ ROUTERS: tuple[APIRouter, ...] = (
     passes.router,
     sessions.router,
     calibrations.router,
+    recalibrations.router,
+    rigs.router,
     jobs.router,
     recordings.router,
     results.router,
     wheelsets.router,
+    audit.router,
 )
 
 __all__ = ["ROUTERS"]

@@ -7,6 +7,7 @@ from fastapi import APIRouter, Header, Response
 from fastapi.responses import PlainTextResponse
 
 from calib import Target
+from station.api.actors import By
 from station.api.answers import ActivationModel, CalibrationModel
 from station.api.callers import Calibrator, Reader
 from station.api.etag import etag_of, version_in
@@ -28,7 +29,7 @@ _RETRY_AFTER_S = "1"
 
 @router.post("/calibrations", status_code=202)
 def post_calibration(
-    body: CalibrationRequest, parts: PartsOf, _: Calibrator, response: Response
+    body: CalibrationRequest, parts: PartsOf, _: Calibrator, by: By, response: Response
 ) -> CalibrationModel:
     """Have a calibration solved, from a session or from recordings."""
     calibration, job = order_calibration(
@@ -41,6 +42,7 @@ def post_calibration(
             target=None if body.target is None else Target.parse(body.target),
             laser_off=body.laser_off,
         ),
+        by=by,
     )
     response.headers["Location"] = f"/v1/jobs/{job.id}"
     response.headers["Retry-After"] = _RETRY_AFTER_S
@@ -80,13 +82,14 @@ def put_active(
     sensor_id: SensorInPath,
     body: ActivationRequest,
     parts: PartsOf,
-    caller: Calibrator,
+    _: Calibrator,
+    by: By,
     response: Response,
     if_match: Annotated[str | None, Header()] = None,
 ) -> ActivationModel:
     """Bring a calibration into force."""
     activation = activate_calibration(
-        parts.station, sensor_id, body.calibration, seen=version_in(if_match), by=caller.name
+        parts.station, sensor_id, body.calibration, seen=version_in(if_match), by=by
     )
     response.headers["ETag"] = etag_of(activation.version)
     return ActivationModel.of(activation)

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Depends
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from station.api.actors import By
 from station.api.answers import JobModel
 from station.api.callers import Operator, Reader
 from station.api.parts import Parts, PartsOf
@@ -57,6 +58,6 @@ async def follow_job(job: JobOf, parts: PartsOf, _: Reader) -> AsyncIterator[Ser
 
 
 @router.delete("")
-def delete_job(job_id: IdInPath, parts: PartsOf, _: Operator) -> JobModel:
+def delete_job(job_id: IdInPath, parts: PartsOf, _: Operator, by: By) -> JobModel:
     """Cancel a job; what it worked on stays usable."""
-    return JobModel.of(cancel_job(parts.station, job_id))
+    return JobModel.of(cancel_job(parts.station, job_id, by=by))

@@ -2,6 +2,7 @@
 
 from fastapi import APIRouter, Response
 
+from station.api.actors import By
 from station.api.answers import PassModel
 from station.api.callers import Operator, Reader
 from station.api.parts import PartsOf
@@ -14,19 +15,32 @@ router = APIRouter(prefix="/v1/passes/{pass_id}", tags=["passes"])
 
 @router.put("", responses={201: {"model": PassModel}})
 def put_pass(
-    pass_id: IdInPath, body: PassRequest, parts: PartsOf, _: Operator, response: Response
+    pass_id: IdInPath,
+    body: PassRequest,
+    parts: PartsOf,
+    _: Operator,
+    by: By,
+    response: Response,
 ) -> PassModel:
     """Arm every sensor and record: a train comes.  A second time changes nothing."""
-    view, new = parts.passes.open(pass_id, train=body.train, consist=body.named(Named.COMING))
+    view, new = parts.passes.open(
+        pass_id, train=body.train, by=by, consist=body.named(Named.COMING)
+    )
     response.status_code = 201 if new else 200
     return PassModel.of(view)
 
 
 @router.post("/finish")
-def finish_pass(pass_id: IdInPath, body: FinishRequest, parts: PartsOf, _: Operator) -> PassModel:
+def finish_pass(
+    pass_id: IdInPath, body: FinishRequest, parts: PartsOf, _: Operator, by: By
+) -> PassModel:
     """Close, hold the frames against the count, have them measured: the train has gone."""
     view = parts.passes.finish(
-        pass_id, axles=body.axles, triggers=body.triggers, consist=body.named(Named.GONE)
+        pass_id,
+        axles=body.axles,
+        triggers=body.triggers,
+        by=by,
+        consist=body.named(Named.GONE),
     )
     return PassModel.of(view)
 

@@ -1,18 +1,23 @@
 """What was recorded."""
 
-from datetime import datetime
+import re
+from datetime import UTC, datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request, Response
 
+from station.api.actors import By
 from station.api.answers import RecordingModel, RecordingsPage
-from station.api.callers import Reader
+from station.api.callers import Calibrator, Reader
 from station.api.parts import PartsOf
+from station.api.receiving import receive_upload
 from station.api.requests import Limit, RecordingInPath
 from station.errors import InputUnusable
 from station.store import Recording, recordings_page, the
 
 router = APIRouter(prefix="/v1/recordings", tags=["recordings"])
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,127}")
 
 
 @router.get("")
@@ -37,9 +42,12 @@ def _key(text: str | None) -> tuple[datetime, str] | None:
         return None
     moment, _, recording_id = text.partition(" ")
     try:
-        return datetime.fromisoformat(moment), recording_id
-    except ValueError:
-        raise InputUnusable(f"before {text!r}: send `next` of a page, as it came") from None
+        opened_at = datetime.fromisoformat(moment).astimezone(UTC)
+    except (ValueError, OverflowError):
+        opened_at = None
+    if opened_at is None or not _NAME.fullmatch(recording_id):
+        raise InputUnusable(f"before {text!r}: send `next` of a page, as it came")
+    return opened_at, recording_id
 
 
 @router.get("/{recording_id}")
@@ -47,3 +55,33 @@ def get_recording(recording_id: RecordingInPath, parts: PartsOf, _: Reader) -> R
     """Return one recording and how its frames add up."""
     with parts.station.store.look() as session:
         return RecordingModel.of(the(session, Recording, recording_id))
+
+
+@router.post(
+    "",
+    status_code=201,
+    responses={200: {"model": RecordingModel, "description": "It was uploaded before."}},
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "description": "The file as it is; its Content-Length must be given.",
+            "content": {"application/octet-stream": {"schema": {"type": "string"}}},
+        }
+    },
+)
+async def post_recording(
+    request: Request, parts: PartsOf, _: Calibrator, by: By, response: Response
+) -> RecordingModel:
+    """Take in a recording (MCAP) of one sensor; the same bytes a second time are the same one."""
+    row, new = await receive_upload(request, parts, by)
+    response.status_code = 201 if new else 200
+    response.headers["Location"] = f"/v1/recordings/{row.id}"
+    return RecordingModel.of(row)
+
+
+@router.delete("/{recording_id}")
+def delete_recording(
+    recording_id: RecordingInPath, parts: PartsOf, _: Calibrator, by: By
+) -> RecordingModel:
+    """Delete an uploaded recording; what was measured from it stays."""
+    return RecordingModel.of(parts.uploads.remove(recording_id, by))

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Path, Query
 
 from measure import Side
 from station.api.callers import Reader
@@ -10,7 +10,7 @@ from station.api.parts import PartsOf
 from station.api.requests import CallersId, Limit, WheelsetId
 from station.api.wheel_answers import MeasurementModel, MeasurementsPage
 from station.settings import SensorId
-from station.store import measurements_page, places_of
+from station.store import Measurement, measurements_page, places_of, profiles_of, the
 
 router = APIRouter(prefix="/v1/measurements", tags=["measurements"])
 
@@ -29,6 +29,7 @@ def list_measurements(
     side: Annotated[
         Side | None, Query(description="Of the train; with a wheelset, its own.")
     ] = None,
+    profiles: Annotated[bool, Query(description="With their profiles, 40 kB each.")] = False,
 ) -> MeasurementsPage:
     """Return measurements in the order they were made."""
     with parts.station.store.look() as session:
@@ -42,7 +43,21 @@ def list_measurements(
             side=side,
         )
         places = places_of(session, page.rows)
+        points = profiles_of(session, page.rows) if profiles else {}
     return MeasurementsPage(
-        measurements=[MeasurementModel.of(row, places.get(row.id)) for row in page.rows],
+        measurements=[
+            MeasurementModel.of(row, places.get(row.id), points.get(row.id)) for row in page.rows
+        ],
         next=page.rows[-1].id if page.more else None,
     )
+
+
+@router.get("/{measurement_id}")
+def get_measurement(
+    measurement_id: Annotated[int, Path(ge=1, le=_LARGEST_ID)], parts: PartsOf, _: Reader
+) -> MeasurementModel:
+    """Return one measurement with its profile."""
+    with parts.station.store.look() as session:
+        row = the(session, Measurement, measurement_id)
+        place = places_of(session, [row]).get(row.id)
+        return MeasurementModel.of(row, place, profiles_of(session, [row]).get(row.id))

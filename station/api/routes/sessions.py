@@ -3,10 +3,12 @@
 from fastapi import APIRouter, Response
 
 from calib import Target
+from station.api.actors import By
 from station.api.answers import SessionModel
 from station.api.callers import Calibrator, Reader
 from station.api.parts import PartsOf
 from station.api.requests import IdInPath, SessionRequest
+from station.operations import SessionOrder
 
 router = APIRouter(prefix="/v1/calibration-sessions/{session_id}", tags=["calibration"])
 
@@ -17,11 +19,19 @@ def put_session(
     body: SessionRequest,
     parts: PartsOf,
     _: Calibrator,
+    by: By,
     response: Response,
 ) -> SessionModel:
-    """Ready a sensor for pictures on command.  A second time changes nothing."""
+    """Ready a sensor, or a rig, for pictures on command.  A second time changes nothing."""
     view, new = parts.sessions.open(
-        session_id, sensor=body.sensor, target=Target.parse(body.target)
+        session_id,
+        SessionOrder(
+            target=Target.parse(body.target),
+            sensor=body.sensor,
+            rig=body.rig,
+            targets={name: Target.parse(text) for name, text in body.targets.items()},
+        ),
+        by=by,
     )
     response.status_code = 201 if new else 200
     return SessionModel.of(view)
@@ -29,14 +39,14 @@ def put_session(
 
 @router.post("/capture")
 def capture_picture(session_id: IdInPath, parts: PartsOf, _: Calibrator) -> SessionModel:
-    """Take one picture; answers when it is recorded."""
+    """Take one picture with each sensor; answers when they are recorded."""
     return SessionModel.of(parts.sessions.take_picture(session_id))
 
 
 @router.post("/finish")
-def finish_session(session_id: IdInPath, parts: PartsOf, _: Calibrator) -> SessionModel:
+def finish_session(session_id: IdInPath, parts: PartsOf, _: Calibrator, by: By) -> SessionModel:
     """Close the recording of a session."""
-    return SessionModel.of(parts.sessions.finish(session_id))
+    return SessionModel.of(parts.sessions.finish(session_id, by=by))
 
 
 @router.get("")

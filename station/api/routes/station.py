@@ -4,21 +4,27 @@ import shutil
 
 from fastapi import APIRouter
 
-from station.api.answers import SensorModel, StationModel
+from station.api.answers import RigModel, SensorModel, StationModel
 from station.api.callers import Reader
 from station.api.parts import PartsOf
 from station.errors import StationError
 from station.operations import Station
-from station.settings import SensorSettings
+from station.settings import RigSettings, SensorSettings
 from station.software import SOFTWARE
-from station.store import active, pass_in_progress
+from station.store import (
+    active,
+    active_rig,
+    alarm_of,
+    asking_recalibrations,
+    pass_in_progress,
+)
 
 router = APIRouter(prefix="/v1", tags=["station"])
 
 
 @router.get("/station")
 def get_station(parts: PartsOf, _: Reader) -> StationModel:
-    """Return the sensors and their states, the version, the space on the disk."""
+    """Return the sensors, their states and rigs, the version, the space on the disk."""
     station = parts.station
     disk = shutil.disk_usage(station.layout.root)
     with station.store.look() as session:
@@ -28,10 +34,23 @@ def get_station(parts: PartsOf, _: Reader) -> StationModel:
         software=SOFTWARE,
         reference=station.settings.reference,
         sensors=[_sensor(station, sensor) for sensor in station.sensors],
+        rigs=[_rig(station, rig) for rig in station.settings.rigs],
         pass_in_progress=running.id if running else None,
         worker_ready=parts.worker_ready(),
         disk_free_bytes=disk.free,
         disk_total_bytes=disk.total,
+    )
+
+
+def _rig(station: Station, rig: RigSettings) -> RigModel:
+    with station.store.look() as session:
+        activation = active_rig(session, rig.id)
+    return RigModel(
+        id=rig.id,
+        side=station.settings.side_of(rig),
+        sensors=list(rig.sensors),
+        anchor=station.settings.anchor_of(rig),
+        active_calibration=activation.rig_calibration_id if activation else None,
     )
 
 
@@ -43,6 +62,8 @@ def _sensor(station: Station, sensor: SensorSettings) -> SensorModel:
         state, problem = "unreachable", str(error)
     with station.store.look() as session:
         activation = active(session, sensor.id)
+        alarm = alarm_of(session, sensor.id)
+        asking = asking_recalibrations(session, sensor.id)
     return SensorModel(
         id=sensor.id,
         side=sensor.side,
@@ -50,4 +71,6 @@ def _sensor(station: Station, sensor: SensorSettings) -> SensorModel:
         state=state,
         problem=problem,
         active_calibration=activation.calibration_id if activation else None,
+        alarm="; ".join((alarm.reasons or {}).get("reasons", [])) if alarm else None,
+        asks=asking[0].id if asking else None,
     )

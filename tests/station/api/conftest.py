@@ -15,6 +15,7 @@ from station.capture import CaptureReport, CaptureState, CaptureStatus
 from station.errors import CameraUnreachable, StateConflict
 from station.operations import DataLayout, Salvaged, Station, utc_now
 from station.serve import log_as
+from station.serve.web import server_config
 from station.settings import StationSettings
 from station.store import Scope, Store, add_key, migrate
 
@@ -93,21 +94,21 @@ class FakeQueue:
         self.cancelled.append(job_id)
 
 
+SENSORS = (
+    {"id": "left", "address": "127.0.0.2"},
+    {"id": "right", "address": "127.0.0.3", "side": "right"},
+)
+
+
 class Served:
     """A station whose API is served, and what is needed to play with it."""
 
-    def __init__(self, root: Path, empty_store: Path) -> None:
-        self.settings = StationSettings(
-            data_dir=root,
-            sensors=[
-                {"id": "left", "address": "127.0.0.2"},
-                {"id": "right", "address": "127.0.0.3", "side": "right"},
-            ],
-        )
+    def __init__(self, root: Path, empty_store: Path, *, sensors=SENSORS, rigs=()) -> None:
+        self.settings = StationSettings(data_dir=root, sensors=sensors, rigs=rigs)
         self.layout = DataLayout(root)
         shutil.copy(empty_store, root / "station.sqlite")
         self.store = Store.open(self.layout.store_url)
-        self.captures = {"left": FakeCapture(), "right": FakeCapture()}
+        self.captures = {sensor.id: FakeCapture() for sensor in self.settings.sensors}
         self.queue = FakeQueue()
         self.saved: dict[str, int] = {}
         self.worker_ready = True
@@ -123,8 +124,7 @@ class Served:
         self.app = app
         listening = socket.create_server(("127.0.0.1", 0))
         self.url = f"http://127.0.0.1:{listening.getsockname()[1]}"
-        config = uvicorn.Config(app, log_config=None, access_log=False)
-        self._server = uvicorn.Server(config)
+        self._server = uvicorn.Server(server_config(app, self.settings))
         self._thread = threading.Thread(
             target=self._server.run, kwargs={"sockets": [listening]}, daemon=True
         )
@@ -162,8 +162,9 @@ def empty_store(tmp_path_factory):
 
 
 @pytest.fixture
-def served(tmp_path, empty_store):
-    served = Served(tmp_path, empty_store)
+def served(request, tmp_path, empty_store):
+    """Serve a station; what a test gives as parameter is put in place of its sensors and rigs."""
+    served = Served(tmp_path, empty_store, **getattr(request, "param", {}))
     yield served
     served.close()
 

@@ -18,8 +18,8 @@ from station.documents import (
 )
 from station.settings import LimitsSettings
 from station.store import Calibration, Pass, the
-from station.worker.context import WorkContext
-from station.worker.measuring import begin_measuring, conclude_measuring, measure_recording
+from station.worker.context import Mathematics, WorkContext
+from station.worker.measuring import begin_measuring, conclude_measuring, measure_step
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 AXLES_S = (0.0, 0.5, 3.8, 4.3)
@@ -103,12 +103,12 @@ class Trackside:
 
         settings = self.served.settings.model_copy(update=changed)
         context = WorkContext(
-            settings, self.served.store, self.served.layout, calibrate=None, measure=measure
+            settings, self.served.store, self.served.layout, Mathematics(None, measure, None, None)
         )
-        recordings = begin_measuring(context, job)
+        steps = begin_measuring(context, job)
         results = [
-            measure_recording(context, job, each, place=place, of=len(recordings))
-            for place, each in enumerate(recordings)
+            measure_step(context, job, each, place=place, of=len(steps))
+            for place, each in enumerate(steps)
         ]
         conclude_measuring(context, job, results)
 

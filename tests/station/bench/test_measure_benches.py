@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from measure import Quantity, format_miniprof, parse_miniprof
+from measure import OF_A_PROFILE, Quantity, format_miniprof, parse_miniprof
 from station.bench import (
     BENCHES,
     bench_intervals,
@@ -87,7 +87,7 @@ def test_pictures_of_a_rolling_wheel_are_better_together():
 def test_intervals_of_a_few_drawn_wheels_hold_the_truth(monkeypatch):
     monkeypatch.setattr(measure_intervals, "calibrated_covariance", lambda _: np.zeros((13, 13)))
     rows = bench_intervals(silent, draws={1: 40}).rows
-    assert [row["quantity"] for row in rows] == [quantity.value for quantity in Quantity]
+    assert [row["quantity"] for row in rows] == [quantity.value for quantity in OF_A_PROFILE]
     # 40 wheels of which 95 % are inside: 3.4 %; three and a half of those.
     assert min(row["inside u95"] for row in rows) >= 0.83
 

@@ -14,7 +14,7 @@ from station.pipeline import observe_sources
 from station.pipeline.exposures import Exposure
 from station.pipeline.frames import Frame
 from station.pipeline.observe import poses_of
-from station.pipeline.observe_group import Shot, observe_group
+from station.pipeline.observe_group import PoseShot, observe_group
 from station.recording import Event, EventKind, RecordingWriter
 from station.scenes import Light, paper_sensor, target_scenes
 
@@ -37,7 +37,7 @@ def shots(scene):
     detector = scene.physics.detector
     light = {True: scene.light_counts(), False: replace(scene, laser_on=False).light_counts()}
     return [
-        Shot(f"shot{place}", detector.expose(light[on], rng, exposure), how(1e4 * exposure, on))
+        PoseShot(f"shot{place}", detector.expose(light[on], rng, exposure), how(1e4 * exposure, on))
         for place, (exposure, on) in enumerate(STEPS)
     ]
 
@@ -77,9 +77,9 @@ def test_dots_are_the_means_of_all_shots_that_show_them_well():
     rng = np.random.default_rng(7)
     (scene,) = target_scenes(rng, paper_sensor(), TARGET, [Light.DIM])
     on, off = scene.render(rng), replace(scene, laser_on=False).render(rng)
-    dark = Shot("off", off, how(1e4, False))
+    dark = PoseShot("off", off, how(1e4, False))
     alone = observe_group([dark], TARGET)
-    both = observe_group([dark, Shot("on", on, how(1e4, True))], TARGET)
+    both = observe_group([dark, PoseShot("on", on, how(1e4, True))], TARGET)
     # Independent of each other, two of one light would come to 0.71; a crossed one stays alone.
     assert np.median(both.points.sigma_px) < 0.85 * np.median(alone.points.sigma_px)
     assert set(both.points.cause) == {Cause.NONE}  # crossed with the laser on, whole without
@@ -95,8 +95,8 @@ def test_stripe_is_found_where_its_own_exposure_shows_no_dot():
     on = detector.expose(scene.light_counts(), rng, 0.015)
     with pytest.raises(TargetNotFound):
         observe_target(off, TARGET, name="dark")
-    short = [Shot("off", off, how(150.0, False)), Shot("on", on, how(150.0, True))]
-    view = observe_group([Shot("dots", dots, how(1e4, False)), *short], TARGET)
+    short = [PoseShot("off", off, how(150.0, False)), PoseShot("on", on, how(150.0, True))]
+    view = observe_group([PoseShot("dots", dots, how(1e4, False)), *short], TARGET)
     assert view.name == "on"
     assert len(view.points) >= 0.9 * ALL  # spots of stray light hide some
     assert len(view.stripe) > 10
@@ -118,7 +118,7 @@ def test_pose_with_the_laser_always_off_serves_the_camera(shots):
 def test_pose_that_shows_no_target_says_so():
     black = np.zeros((200, 300), dtype=np.uint8)
     with pytest.raises(TargetNotFound, match="dark: no pattern"):
-        observe_group([Shot("dark", black, how(10.0, True))], TARGET)
+        observe_group([PoseShot("dark", black, how(10.0, True))], TARGET)
 
 
 @pytest.mark.parametrize(

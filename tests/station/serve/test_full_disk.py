@@ -76,18 +76,14 @@ class Service:
             line = self.process.stdout.readline()
             assert line, self._log.read_text()
             text += line
-        key = next(
-            line.split()[-1]
-            for line in self._log.read_text().splitlines()
-            if line.startswith("admin key")
-        )
+        self.data = Path(f"/proc/{self.process.pid}/root{folder}/data")
+        key = (self.data / "first-admin-key").read_text().strip()
         self.call = httpx.Client(
             base_url=json.loads(text)["url"],
             headers={"Authorization": f"Bearer {key}"},
             timeout=PATIENCE_S,
             trust_env=False,
         )
-        self.data = Path(f"/proc/{self.process.pid}/root{folder}/data")
 
     def close(self):
         self.call.close()

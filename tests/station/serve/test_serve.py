@@ -72,7 +72,7 @@ class Service:
 
     @property
     def key(self):
-        return next(line.split()[-1] for line in self.lines if line.startswith("admin key"))
+        return (self.folder / "data/first-admin-key").read_text().strip()
 
     def pids(self, child):
         events = [json.loads(line) for line in self.lines if line.startswith("{")]

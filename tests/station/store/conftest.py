@@ -4,12 +4,17 @@ from station.store import Store, migrate, sqlite_url
 
 
 @pytest.fixture
-def url(tmp_path):
-    return sqlite_url(tmp_path / "station.sqlite")
+def store(any_url):
+    """An empty store, of each kind in turn."""
+    migrate(any_url)
+    store = Store.open(any_url)
+    yield store
+    store.close()
 
 
 @pytest.fixture
-def store(url):
+def sqlite_store(tmp_path):
+    url = sqlite_url(tmp_path / "station.sqlite")
     migrate(url)
     store = Store.open(url)
     yield store

@@ -1,12 +1,7 @@
 """Shows that axles are kept once, wheelsets are followed in the order of passing, and that the
 tables of axles come and go without touching what was there, on SQLite and on PostgreSQL."""
 
-import os
-import shutil
-import subprocess
-import tempfile
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 
 import pytest
 from alembic.autogenerate import compare_metadata
@@ -32,42 +27,9 @@ from station.store import (
     replace_axles,
     revision_of,
 )
-from station.store.engine import open_engine
+from station.store.connecting import open_engine
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
-INITDB = shutil.which("initdb")
-
-
-@pytest.fixture(scope="module")
-def postgres():
-    """The URL of an empty PostgreSQL, on a socket in a folder of its own."""
-    if INITDB is None:
-        pytest.skip("no PostgreSQL on this host")
-    root = Path(tempfile.mkdtemp(prefix="treadline-pg-"))
-    # PostgreSQL refuses to be run by root.
-    as_user = {"user": "postgres", "group": "postgres"} if os.getuid() == 0 else {}
-    if as_user:
-        shutil.chown(root, **as_user)
-    run = {"check": True, "capture_output": True, **as_user}
-    data = root / "data"
-    subprocess.run([INITDB, "-D", data, "-U", "treadline", "-A", "trust", "--no-sync"], **run)
-    options = f"-k {root} -c listen_addresses='' -c fsync=off"
-    control = str(Path(INITDB).with_name("pg_ctl"))
-    log = root / "log"
-    subprocess.run([control, "-D", data, "-o", options, "-l", log, "-w", "start"], **run)
-    yield f"postgresql+psycopg://treadline@/postgres?host={root}"
-    subprocess.run([control, "-D", data, "-m", "immediate", "stop"], **run)
-    shutil.rmtree(root)
-
-
-@pytest.fixture(params=["sqlite", "postgres"])
-def any_url(request, url):
-    if request.param == "sqlite":
-        yield url
-        return
-    url = request.getfixturevalue("postgres")
-    yield url
-    migrate(url, "base")
 
 
 @pytest.fixture
@@ -91,6 +53,21 @@ def any_store(any_url):
     store.close()
 
 
+def a_measurement(row, *, frame):
+    return Measurement(
+        recording_id=row.id,
+        frame=frame,
+        calibration_id="c1",
+        sensor="left",
+        pass_id=row.id,
+        reference="S1002",
+        software="treadline 0",
+        measured_at=row.opened_at,
+        wheel={"frame": frame},
+        regime="tsi",
+    )
+
+
 def a_pass(session, name, day):
     """A pass with one measured wheel."""
     row = Pass(id=name, state=PassState.DONE, opened_at=NOON + timedelta(days=day), axles=1)
@@ -99,18 +76,7 @@ def a_pass(session, name, day):
     opened = {"path": "x", "opened_at": row.opened_at, "recovered": False}
     session.add(Recording(id=name, sensor="left", pass_id=name, calibration_id="c1", **opened))
     session.flush()
-    measurement = Measurement(
-        recording_id=name,
-        frame=1,
-        calibration_id="c1",
-        sensor="left",
-        pass_id=name,
-        reference="S1002",
-        software="treadline 0",
-        measured_at=row.opened_at,
-        wheel={"frame": 1},
-        regime="tsi",
-    )
+    measurement = a_measurement(row, frame=1)
     session.add(measurement)
     session.flush()
     return row, measurement
@@ -164,14 +130,19 @@ def test_a_wheelset_is_followed_in_the_order_of_passing(any_store):
 def test_measurements_are_found_by_wheelset_and_side_each_with_its_place(any_store):
     with any_store.change() as session:
         row, measurement = a_pass(session, "p1", 0)
-        replace_axles(session, row.id, [an_axle(row, measurement, others=[77])])
+        once_more = a_measurement(row, frame=2)
+        session.add(once_more)
+        session.flush()
+        replace_axles(session, row.id, [an_axle(row, measurement, others=[once_more.id])])
         a_pass(session, "p2", 1)
     with any_store.look() as session:
         page = measurements_page(session, limit=9, wheelset="w1", side=Side.LEFT)
         assert [each.pass_id for each in page.rows] == ["p1"]
         assert measurements_page(session, limit=9, side=Side.RIGHT).rows == []
-        places = places_of(session, page.rows)
-        assert places[page.rows[0].id].wheelset == places[77].wheelset == "w1"
+        every = measurements_page(session, limit=9).rows
+        places = places_of(session, every)
+        assert [places[each.id].wheelset for each in every[:2]] == ["w1", "w1"]
+        assert len(every) == len(places) + 1
         assert places_of(session, []) == {}
 
 

@@ -16,8 +16,8 @@ def a_pass(pass_id, at=NOON):
     return Pass(id=pass_id, state=PassState.ARMED, opened_at=at)
 
 
-def test_the_database_waits_for_writers_and_survives_a_power_cut(store):
-    with store.look() as session:
+def test_the_database_waits_for_writers_and_survives_a_power_cut(sqlite_store):
+    with sqlite_store.look() as session:
         pragma = lambda name: session.execute(text(f"PRAGMA {name}")).scalar()  # noqa: E731
         assert pragma("journal_mode") == "wal"
         assert pragma("synchronous") == 2  # FULL
@@ -25,12 +25,12 @@ def test_the_database_waits_for_writers_and_survives_a_power_cut(store):
         assert pragma("busy_timeout") >= 5_000
 
 
-def test_two_stores_that_read_and_then_write_never_meet_a_locked_database(url, store):
+def test_two_stores_that_read_and_then_write_never_meet_a_locked_database(any_url, store):
     """With a deferred BEGIN nearly each of these transactions fails."""
     rounds, failures = 60, []
 
     def write(name):
-        own = Store.open(url)
+        own = Store.open(any_url)
         for n in range(rounds):
             try:
                 with own.change() as session:

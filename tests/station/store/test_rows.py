@@ -6,6 +6,7 @@ import pytest
 
 from station.errors import InputUnusable, StateConflict, VersionConflict, VersionMissing
 from station.store import (
+    Actor,
     Calibration,
     CalibrationState,
     Job,
@@ -139,7 +140,7 @@ def test_totals_of_frames_add_up_over_recordings(store):
 def test_a_calibration_comes_into_force_only_over_the_version_that_was_seen(filled):
     with filled.change() as session:
         first, second = the(session, Calibration, "c1"), the(session, Calibration, "c2")
-        put = {"sensor": "left", "by": "test", "at": NOON}
+        put = {"sensor": "left", "by": Actor("test", "127.0.0.9"), "at": NOON}
         assert activate(session, first, seen=None, **put).version == 1
         with pytest.raises(VersionMissing, match="version 1"):
             activate(session, second, seen=None, **put)
@@ -155,7 +156,7 @@ def test_an_unready_calibration_or_one_of_another_sensor_never_comes_into_force(
     with store.change() as session:
         solving = a_calibration("c3", state=CalibrationState.SOLVING)
         session.add(solving)
-        put = {"seen": None, "by": "test", "at": NOON}
+        put = {"seen": None, "by": Actor("test", "127.0.0.9"), "at": NOON}
         with pytest.raises(StateConflict, match="solving") as refusal:
             activate(session, solving, sensor="left", **put)
         assert refusal.value.state == "solving"
@@ -204,8 +205,8 @@ def test_a_key_opens_what_its_scopes_say_and_nothing_when_revoked_or_expired(sto
         assert caller_of(session, key, at=NOON) is None
 
 
-def test_a_key_is_not_in_the_database(store, tmp_path):
-    with store.change() as session:
+def test_a_key_is_not_in_the_database(sqlite_store, tmp_path):
+    with sqlite_store.change() as session:
         key = add_key(session, "plc", [Scope.READ], at=NOON)
     secret = key.split("_", 2)[2]
     kept = b"".join(path.read_bytes() for path in tmp_path.glob("station.sqlite*"))

@@ -1,5 +1,5 @@
 import pytest
-from worker_double import a_calibration_document
+from worker_double import a_calibration_document, a_rig_document
 
 from station.operations import DataLayout, utc_now
 from station.settings import StationSettings
@@ -10,9 +10,11 @@ from station.store import (
     Pass,
     PassState,
     Recording,
+    RigCalibration,
     Store,
     add_job,
     migrate,
+    the,
 )
 
 
@@ -25,13 +27,16 @@ class Ground:
             sensors=[
                 {"id": "left", "address": "127.0.0.2"},
                 {"id": "right", "address": "127.0.0.3", "side": "right"},
+                {"id": "inner", "address": "127.0.0.4"},
+                {"id": "outer", "address": "127.0.0.5"},
             ],
+            rigs=[{"id": "wheel", "sensors": ["inner", "outer"], "anchor": "outer"}],
         )
         self.layout = DataLayout(root)
         migrate(self.layout.store_url)
         self.store = Store.open(self.layout.store_url)
         with self.store.change() as session:
-            for sensor in ("left", "right"):
+            for sensor in ("left", "right", "inner", "outer"):
                 session.add(self._calibration(f"of-{sensor}", sensor, CalibrationState.READY))
 
     def _calibration(self, calibration_id, sensor, state, target="dots:7x8:12"):
@@ -57,7 +62,59 @@ class Ground:
             add_job(session, job_id, JobKind.CALIBRATE, calibration_id, at=utc_now())
         return job_id
 
-    def order_measuring(self, pass_id, *, sensors=("left", "right"), recovered=False, names=None):
+    def bring_rig_into_force(self, calibration_id="of-wheel"):
+        document = a_rig_document("wheel", ["inner", "outer"])
+        with self.store.change() as session:
+            session.add(
+                RigCalibration(
+                    id=calibration_id,
+                    state=CalibrationState.READY,
+                    rig="wheel",
+                    created_at=utc_now(),
+                    document=document.model_dump_json(),
+                )
+            )
+        return calibration_id
+
+    def take_off_rig(self, pass_id, sensor):
+        """Have a sensor recorded by itself, as one that is in no rig."""
+        with self.store.change() as session:
+            the(session, Recording, f"pass.{pass_id}.{sensor}").rig_calibration_id = None
+
+    def order_rig_calibration(self, calibration_id):
+        """Leave a rig to be calibrated; return its job."""
+        job_id = f"job-{calibration_id}"
+        ordered = {
+            "recordings": {},
+            "calibrations": {"inner": "of-inner", "outer": "of-outer"},
+            "targets": {"inner": "dots:7x8:12", "outer": "dots:7x8:12"},
+            "same_board": False,
+            "board_sigma_mm": 0.02,
+        }
+        with self.store.change() as session:
+            session.add(
+                RigCalibration(
+                    id=calibration_id,
+                    state=CalibrationState.SOLVING,
+                    rig="wheel",
+                    ordered=ordered,
+                    created_at=utc_now(),
+                    job_id=job_id,
+                )
+            )
+            add_job(session, job_id, JobKind.CALIBRATE_RIG, calibration_id, at=utc_now())
+        return job_id
+
+    def order_measuring(
+        self,
+        pass_id,
+        *,
+        sensors=("left", "right"),
+        recovered=False,
+        names=None,
+        rig=None,
+        recorded=None,
+    ):
         """Leave a recorded pass to be measured; return its job."""
         job_id = f"job-{pass_id}"
         with self.store.change() as session:
@@ -74,7 +131,8 @@ class Ground:
                         opened_at=utc_now(),
                         closed_at=utc_now(),
                         calibration_id=f"of-{sensor}",
-                        recorded=4,
+                        rig_calibration_id=rig,
+                        recorded=(recorded or {}).get(sensor, 4),
                         recovered=recovered,
                     )
                 )

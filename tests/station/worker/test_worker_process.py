@@ -10,7 +10,7 @@ from worker_double import WHEELS, run_double
 from station.errors import StateConflict
 from station.operations import cancel_job
 from station.operations.collaborators import Station
-from station.store import Calibration, Job, JobKind, Pass, measurements_page, the
+from station.store import Actor, Calibration, Job, JobKind, Pass, measurements_page, the
 from station.worker import WorkerQueue, held, is_held
 
 PATIENCE_S = 60.0
@@ -62,10 +62,13 @@ def workers(ground, tmp_path):
 
 
 def test_a_worker_killed_in_the_middle_of_two_jobs_ends_each_once(ground, workers):
-    measuring, solving = ground.order_measuring("p1"), ground.order_calibration("c1")
+    rig = ground.bring_rig_into_force()
+    measuring = ground.order_measuring("p1", sensors=("inner", "outer", "right"), rig=rig)
+    ground.take_off_rig("p1", "right")
+    solving = ground.order_calibration("c1")
     workers.start(step_s=0.3)
-    half = {"end measure left", "begin measure right", "begin calibrate left"}
-    workers.wait(lambda: half <= set(workers.did), "the second recording begun")
+    half = {"end measure rig wheel", "begin measure right", "begin calibrate left"}
+    workers.wait(lambda: half <= set(workers.did), "the recording after the rig's begun")
     assert is_held(ground.layout.worker_lock)
     workers.kill()
     assert "end measure right" not in workers.did
@@ -76,7 +79,7 @@ def test_a_worker_killed_in_the_middle_of_two_jobs_ends_each_once(ground, worker
     workers.wait_for_end(measuring)
     workers.wait_for_end(solving)
     # The step that was done stays done; the one that was cut is done again.
-    assert workers.did.count("begin measure left") == 1
+    assert workers.did.count("begin measure rig wheel inner outer") == 1
     assert workers.did.count("begin measure right") == 2
     with ground.store.look() as session:
         assert the(session, Pass, "p1").state == "done"
@@ -84,6 +87,7 @@ def test_a_worker_killed_in_the_middle_of_two_jobs_ends_each_once(ground, worker
         wheels = measurements_page(session, limit=100).rows
     assert len(wheels) == 2 * WHEELS
     assert len({(w.recording_id, w.frame) for w in wheels}) == 2 * WHEELS
+    assert [w.sensor for w in wheels] == ["wheel"] * WHEELS + ["right"] * WHEELS
 
 
 def test_a_worker_takes_up_what_it_is_told_what_it_was_not_and_what_was_given_up(ground, workers):
@@ -112,7 +116,7 @@ def test_a_worker_takes_up_what_it_is_told_what_it_was_not_and_what_was_given_up
     slow = ground.order_measuring("p1")
     station.jobs.submit(JobKind.MEASURE, slow)
     workers.wait(lambda: "begin measure left" in workers.did, "measuring begun")
-    cancel_job(station, slow)
+    cancel_job(station, slow, by=Actor("test"))
     with ground.store.look() as session:
         assert the(session, Pass, "p1").state == "recorded"
 

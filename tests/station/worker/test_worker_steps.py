@@ -7,6 +7,7 @@ from worker_double import WHEELS, SlowMathematics
 from station.operations import cancel_job
 from station.operations.collaborators import Station
 from station.store import (
+    Actor,
     AxleWheel,
     Calibration,
     CalibrationPoints,
@@ -19,22 +20,20 @@ from station.store import (
 )
 from station.worker.calibrating import calibrate
 from station.worker.context import WorkContext
-from station.worker.measuring import begin_measuring, conclude_measuring, measure_recording
+from station.worker.measuring import begin_measuring, conclude_measuring, measure_step
 
 
 @pytest.fixture
 def context(ground, tmp_path):
     mathematics = SlowMathematics(tmp_path / "trace", step_s=0.0)
-    return WorkContext(
-        ground.settings, ground.store, ground.layout, mathematics.calibrate, mathematics.measure
-    )
+    return WorkContext(ground.settings, ground.store, ground.layout, mathematics.parts)
 
 
 def measure_all(context, job_id):
-    recordings = begin_measuring(context, job_id)
+    steps = begin_measuring(context, job_id)
     results = [
-        measure_recording(context, job_id, each, place=place, of=len(recordings))
-        for place, each in enumerate(recordings)
+        measure_step(context, job_id, each, place=place, of=len(steps))
+        for place, each in enumerate(steps)
     ]
     conclude_measuring(context, job_id, results)
 
@@ -49,7 +48,7 @@ def cancel(ground, job_id):
         def cancel(self, _job_id): ...
 
     station = Station(ground.settings, ground.store, ground.layout, {}, Deaf(), lambda _: None)
-    cancel_job(station, job_id)
+    cancel_job(station, job_id, by=Actor("test"))
 
 
 def test_a_measured_pass_is_done_and_names_frame_calibration_and_software(ground, context):
@@ -73,9 +72,9 @@ def test_a_measured_pass_is_done_and_names_frame_calibration_and_software(ground
 
 def test_a_step_done_again_after_a_crash_adds_nothing(ground, context):
     job = ground.order_measuring("p1")
-    recordings = begin_measuring(context, job)
+    steps = begin_measuring(context, job)
     for _ in range(3):
-        measure_recording(context, job, recordings[0], place=0, of=2)
+        measure_step(context, job, steps[0], place=0, of=2)
     measure_all(context, job)
     measure_all(context, job)
     with ground.store.look() as session:
@@ -126,9 +125,9 @@ def test_readings_stand_where_no_axles_can_be_made_of_them(ground, context, monk
 
 def test_a_cancelled_job_keeps_nothing_it_was_at(ground, context):
     job = ground.order_measuring("p1")
-    recordings = begin_measuring(context, job)
+    steps = begin_measuring(context, job)
     cancel(ground, job)
-    result = measure_recording(context, job, recordings[0], place=0, of=2)
+    result = measure_step(context, job, steps[0], place=0, of=2)
     assert result["refused"] == "cancelled"
     conclude_measuring(context, job, [result])
     assert found(ground, Pass, "p1").state == "recorded"
@@ -145,9 +144,7 @@ def test_a_job_cancelled_after_its_last_word_keeps_nothing_either(ground, tmp_pa
             cancel(ground, job)
 
     late = LateCancel(tmp_path / "trace")
-    context = WorkContext(
-        ground.settings, ground.store, ground.layout, late.calibrate, late.measure
-    )
+    context = WorkContext(ground.settings, ground.store, ground.layout, late.parts)
     job = ground.order_measuring("p1", sensors=["left"])
     measure_all(context, job)
     assert found(ground, Pass, "p1").state == "recorded"

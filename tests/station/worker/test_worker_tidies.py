@@ -39,7 +39,7 @@ def run(ground, monkeypatch):
         monkeypatch.setattr(process, "_SWEEP_S", 0.01)
         storage = StorageSettings(keep_days=1e-9)
         settings = ground.settings.model_copy(update={"storage": storage})
-        process.work(settings, calibrate=None, measure=None, stop=NoJobs.stop_signal)
+        process.work(settings, None, stop=NoJobs.stop_signal)
 
     return run_worker
 

@@ -6,9 +6,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from calib import TooFewViews
-from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
+from station.documents import (
+    CalibrationDocument,
+    MeasurementDocument,
+    RigDocument,
+    WheelDocument,
+)
 from station.pipeline import CalibrationOutcome
 from station.serve import log_as
+from station.worker.context import Mathematics
 from station.worker.process import work
 
 WHEELS = 4
@@ -26,6 +32,36 @@ def a_calibration_document(sensor="left"):
         "plane_covariance": [[0.0] * 4] * 4,
         "rms": {"dots_px": 0.1, "stripe_px": 0.1},
         "poses": [],
+        "quality": {},
+        "options": {},
+        "inputs": [],
+    })
+
+
+def a_rig_document(rig, sensors):
+    size = 19 * len(sensors)
+    plain = a_calibration_document()
+    return RigDocument.model_validate({
+        "rig": rig,
+        "side": "left",
+        "created": NOON,
+        "software": "treadline 0",
+        "method": "boards",
+        "anchor": sensors[0],
+        "sensors": [
+            {
+                "sensor": name,
+                "calibration": a_calibration_document(name).fingerprint,
+                "camera": plain.camera,
+                "plane": plain.plane,
+                "rotation_vector": (0, 0, 0),
+                "translation_mm": (0, 0, 0),
+            }
+            for name in sensors
+        ],
+        "covariance": [[0.0] * size] * size,
+        "survey": {},
+        "rms": {"dots_px": 0.1, "stripe_px": 0.1},
         "quality": {},
         "options": {},
         "inputs": [],
@@ -68,6 +104,42 @@ class SlowMathematics:
             wheels=wheels,
         )
 
+    def calibrate_rig(self, sources, order, *, progress):
+        self._note(f"begin calibrate rig {order.rig}")
+        self._work(progress)
+        self._note(f"end calibrate rig {order.rig}")
+        return a_rig_document(order.rig, [each.sensor for each in order.calibrations])
+
+    def measure_rig(self, sources, rig, *, silent_sensors, reference, limits, progress, **_rest):
+        self._note(f"begin measure rig {rig.rig} {' '.join(sources)}")
+        self._work(progress)
+        self._note(f"end measure rig {rig.rig}")
+        first = next(iter(sources.values()))
+        wheels = [
+            WheelDocument(
+                source=first.name,
+                sensor=rig.rig,
+                sensors=tuple(sources),
+                frame=frame,
+                frames=(frame,),
+                quality={"by_sensor": dict(silent_sensors)},
+            )
+            for frame in range(1, WHEELS + 1)
+        ]
+        return MeasurementDocument(
+            created=NOON,
+            software="treadline 0",
+            calibration=None,
+            rigs={rig.rig: rig.fingerprint},
+            reference=reference,
+            regime=limits.regime,
+            wheels=wheels,
+        )
+
+    @property
+    def parts(self):
+        return Mathematics(self.calibrate, self.measure, self.calibrate_rig, self.measure_rig)
+
     def _work(self, progress):
         for step in range(self._steps):
             progress(step / self._steps, f"step {step}")
@@ -83,4 +155,4 @@ def run_double(settings, trace, step_s):
     log_as("worker")
     mathematics = SlowMathematics(trace, step_s=step_s)
     stop = threading.Event()
-    work(settings, calibrate=mathematics.calibrate, measure=mathematics.measure, stop=stop)
+    work(settings, mathematics.parts, stop=stop)

@@ -1,0 +1,94 @@
+"""The audit trail: who changed what, when, from where; written with the change, or neither is.
+
+Nothing here changes or deletes an entry, and triggers of the database refuse it to everybody else.
+"""
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from station.store.lookups import Page, page_of
+from station.store.tables import AuditEntry, JsonObject
+
+
+@dataclass(frozen=True, slots=True)
+class Actor:
+    """Who makes a change; `address` where the call came over the network."""
+
+    name: str
+    address: str | None = None
+
+
+STATION = Actor("station")
+"""The station itself: by its schedule, its time-outs, its limits of the disk."""
+
+
+class Action(StrEnum):
+    """What was done."""
+
+    ACTIVATE = "activate"
+    ADD = "add"
+    ANSWER = "answer"
+    ARM = "arm"
+    CANCEL = "cancel"
+    DELETE = "delete"
+    FINISH = "finish"
+    ORDER = "order"
+    RESTORE = "restore"
+    REVOKE = "revoke"
+
+
+def audit(
+    session: Session,
+    action: Action,
+    kind: str,
+    subject: str,
+    *,
+    by: Actor,
+    at: datetime,
+    before: JsonObject | None = None,
+    after: JsonObject | None = None,
+) -> None:
+    """Add to the trail what the transaction of `session` changes.
+
+    Parameters
+    ----------
+    kind, subject
+        What sort of thing was changed, and its name.
+    before, after
+        What of it matters, as it was and as it is: never a secret.
+    """
+    session.add(
+        AuditEntry(
+            at=at,
+            who=by.name,
+            address=by.address,
+            action=action,
+            kind=kind,
+            subject=subject,
+            before=before,
+            after=after,
+        )
+    )
+
+
+def audit_page(
+    session: Session,
+    *,
+    limit: int,
+    before: int | None = None,
+    subject: str | None = None,
+    who: str | None = None,
+) -> Page[AuditEntry]:
+    """Return entries of the trail, the newest first, from those older than the key `before`."""
+    query = select(AuditEntry).order_by(AuditEntry.id.desc())
+    if before is not None:
+        query = query.where(AuditEntry.id < before)
+    if subject is not None:
+        query = query.where(AuditEntry.subject == subject)
+    if who is not None:
+        query = query.where(AuditEntry.who == who)
+    return page_of(session, query, limit)

@@ -1,0 +1,146 @@
+"""Looking up recalibrations, and what they left: activations, alarms, piece checks."""
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from sqlalchemy import Select, func, select, tuple_
+from sqlalchemy.orm import Session
+
+from station.store.activations import active
+from station.store.lookups import Page, page_of
+from station.store.recalibration_tables import KeptPieceCheck, Recalibration
+from station.store.states import RecalibrationState
+from station.store.tables import Activation, Calibration, Recording
+
+RUNNING = (RecalibrationState.WAITING, RecalibrationState.RUNNING)
+
+
+def running_recalibration(session: Session, sensor: str) -> Recalibration | None:
+    """Return the recalibration of a sensor that has not come to its end."""
+    return session.scalar(_of(sensor).where(Recalibration.state.in_(RUNNING)).limit(1))
+
+
+def asking_recalibrations(session: Session, sensor: str) -> Sequence[Recalibration]:
+    """Return the recalibrations of a sensor that wait for a person, the newest first."""
+    query = _of(sensor).where(Recalibration.state == RecalibrationState.ASKING)
+    return session.scalars(query).all()
+
+
+def last_decided(session: Session, sensor: str) -> Recalibration | None:
+    """Return the last recalibration of a sensor that came to a decision."""
+    return session.scalar(_of(sensor).where(Recalibration.outcome.is_not(None)).limit(1))
+
+
+def decided_against(session: Session, sensor: str, version: int) -> Sequence[Recalibration]:
+    """Return what was decided against an activation of a sensor, the newest first."""
+    query = _of(sensor).where(Recalibration.outcome.is_not(None))
+    return session.scalars(query.where(Recalibration.present_version == version)).all()
+
+
+def settled_until(session: Session, sensor: str) -> datetime | None:
+    """Return the last moment of the schedule that a recalibration of a sensor was made for."""
+    return session.scalar(
+        select(func.max(Recalibration.due_at)).where(Recalibration.sensor == sensor)
+    )
+
+
+def recordings_taken(session: Session, sensor: str) -> set[str]:
+    """Return the recordings that recalibrations of a sensor were made from already."""
+    taken = session.scalars(
+        select(Recalibration.taken)
+        .where(Recalibration.sensor == sensor)
+        .where(Recalibration.outcome.is_not(None))
+    )
+    return {name for each in taken if each is not None for name in each["recordings"]}
+
+
+def first_piece_check(session: Session, calibration_id: str) -> KeptPieceCheck | None:
+    """Return the first check of the reference piece by a calibration."""
+    return session.scalar(
+        select(KeptPieceCheck)
+        .where(KeptPieceCheck.calibration_id == calibration_id)
+        .order_by(KeptPieceCheck.id)
+        .limit(1)
+    )
+
+
+def alarm_of(session: Session, sensor: str) -> Recalibration | None:
+    """Return the recalibration that says the calibration in force may measure wrongly, or None.
+
+    One against a calibration that is no longer in force raises no alarm any more.
+    """
+    last, present = last_decided(session, sensor), active(session, sensor)
+    if last is None or present is None or not last.alarm:
+        return None
+    return last if last.present_version == present.version else None
+
+
+def recordings_under(
+    session: Session, sensor: str, calibration_id: str, since: datetime
+) -> Sequence[Recording]:
+    """Return a sensor's recordings of passes made under a calibration since then, oldest first."""
+    return session.scalars(
+        select(Recording)
+        .where(Recording.sensor == sensor)
+        .where(Recording.pass_id.is_not(None))
+        .where(Recording.calibration_id == calibration_id)
+        .where(Recording.opened_at >= since)
+        .where(Recording.deleted_at.is_(None))
+        .order_by(Recording.opened_at, Recording.id)
+    ).all()
+
+
+def activation_of(session: Session, sensor: str, version: int) -> Activation:
+    """Return an activation of a sensor that is known to have been."""
+    return session.scalars(
+        select(Activation).where(Activation.sensor == sensor).where(Activation.version == version)
+    ).one()
+
+
+def activations_page(
+    session: Session, sensor: str, *, limit: int, before: int | None = None
+) -> Page[Activation]:
+    """Return the calibrations that came into force on a sensor, the last one first."""
+    query = select(Activation).where(Activation.sensor == sensor)
+    query = query if before is None else query.where(Activation.version < before)
+    return page_of(session, query.order_by(Activation.version.desc()), limit)
+
+
+def reasons_for(
+    session: Session, activations: Sequence[Activation]
+) -> dict[int, tuple[Calibration, Recalibration | None]]:
+    """Return, by version, the calibrations of a sensor's activations, and what brought them."""
+    if not activations:
+        return {}
+    versions = {row.version: row.calibration_id for row in activations}
+    brought = session.scalars(
+        select(Recalibration)
+        .where(Recalibration.sensor == activations[0].sensor)
+        .where(Recalibration.activated_version.in_(versions))
+    )
+    by_version = {row.activated_version: row for row in brought}
+    calibrations = session.scalars(
+        select(Calibration).where(Calibration.id.in_(set(versions.values())))
+    )
+    by_id = {row.id: row for row in calibrations}
+    return {
+        version: (by_id[calibration_id], by_version.get(version))
+        for version, calibration_id in versions.items()
+    }
+
+
+def recalibrations_page(
+    session: Session, sensor: str, *, limit: int, before: tuple[datetime, str] | None = None
+) -> Page[Recalibration]:
+    """Return a sensor's recalibrations, the newest first, from those older than the key."""
+    key = tuple_(Recalibration.ordered_at, Recalibration.id)
+    query = _of(sensor)
+    return page_of(session, query if before is None else query.where(key < before), limit)
+
+
+def _of(sensor: str) -> Select[Recalibration]:
+    return (
+        select(Recalibration)
+        .where(Recalibration.sensor == sensor)
+        .order_by(Recalibration.ordered_at.desc(), Recalibration.id.desc())
+    )

@@ -1,0 +1,106 @@
+"""The job that calibrates a rig."""
+
+from pathlib import Path
+
+from calib import Target
+from measure import Side
+from station.documents import CalibrationDocument, RigDocument
+from station.errors import InputUnusable
+from station.pipeline import RigOrder
+from station.settings import StationSettings
+from station.store import (
+    CALIBRATION,
+    Calibration,
+    CalibrationState,
+    Job,
+    JobState,
+    JsonObject,
+    Recording,
+    RigCalibration,
+    end,
+    the,
+)
+from station.worker.context import WorkContext
+from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
+
+
+def calibrate_rig(context: WorkContext, job_id: str) -> None:
+    """Calibrate the rig of a job and keep it, or why there is none."""
+    job = begin(context, job_id)
+    if job is None:
+        return
+    try:
+        sources, order = _order(context, job)
+        document = context.mathematics.calibrate_rig(
+            sources, order, progress=JobProgress(context, job.id)
+        )
+    except JobCancelled:
+        return
+    except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
+        fail_rig_calibration(context, job_id, one_line(error, job_id))
+        return
+    _keep(context, job, document)
+
+
+def _order(context: WorkContext, job: Job) -> tuple[list[Path], RigOrder]:
+    with context.store.look() as session:
+        row = the(session, RigCalibration, job.subject)
+        ordered: JsonObject = row.ordered or {}
+        sources = [
+            context.layout.root / the(session, Recording, name).path
+            for names in ordered["recordings"].values()
+            for name in names
+        ]
+        documents = [
+            the(session, Calibration, each).document for each in ordered["calibrations"].values()
+        ]
+    calibrations = [CalibrationDocument.model_validate_json(each or "") for each in documents]
+    return sources, _rig_order(context.settings, row.rig, ordered, calibrations)
+
+
+def _rig_order(
+    settings: StationSettings,
+    rig_id: str,
+    ordered: JsonObject,
+    calibrations: list[CalibrationDocument],
+) -> RigOrder:
+    rig = settings.rig(rig_id)
+    if rig is None:
+        raise InputUnusable(f"rig {rig_id!r} was taken out of the settings; order it anew")
+    boards = [Target.parse(ordered["targets"][each.sensor]) for each in calibrations]
+    return RigOrder(
+        rig=rig.id,
+        calibrations=tuple(calibrations),
+        boards=tuple(boards[:1] if ordered["same_board"] else boards),
+        same_board=ordered["same_board"],
+        board_sigma_mm=ordered["board_sigma_mm"],
+        anchor=settings.anchor_of(rig),
+        side=Side(settings.side_of(rig)),
+        sigma_vibration_mm=rig.sigma_vibration_mm,
+        sigma_vibration_rad=rig.sigma_vibration_rad,
+    )
+
+
+def _keep(context: WorkContext, job: Job, document: RigDocument) -> None:
+    with context.store.change() as session:
+        present = the(session, Job, job.id)
+        if present.state is not JobState.RUNNING:  # cancelled while the last step ran
+            return
+        calibration = the(session, RigCalibration, job.subject)
+        CALIBRATION.check(calibration.id, calibration.state, CalibrationState.READY)
+        calibration.state = CalibrationState.READY
+        calibration.document = document.model_dump_json()
+        calibration.passed = document.passed
+        end(present, JobState.DONE, at=context.now())
+
+
+def fail_rig_calibration(context: WorkContext, job_id: str, why: str) -> None:
+    """End a job without a rig."""
+    with context.store.change() as session:
+        job = the(session, Job, job_id)
+        if job.state not in {JobState.QUEUED, JobState.RUNNING}:
+            return
+        calibration = the(session, RigCalibration, job.subject)
+        CALIBRATION.check(calibration.id, calibration.state, CalibrationState.FAILED)
+        calibration.state, calibration.reason = CalibrationState.FAILED, why
+        end(job, JobState.FAILED, at=context.now(), error=why)

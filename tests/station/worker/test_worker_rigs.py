@@ -1,0 +1,190 @@
+"""Shows what the jobs of rigs leave in the store: one wheel from all sensors of a rig, once."""
+
+from dataclasses import replace
+
+import pytest
+from rig_recordings import calibration_of, record_rig, true_rig
+from worker_double import WHEELS, SlowMathematics
+
+from station.operations import cancel_job
+from station.operations.collaborators import Station
+from station.pipeline import (
+    calibrate_rig_sources,
+    calibrate_sources,
+    measure_rig,
+    measure_sources,
+)
+from station.store import (
+    Actor,
+    Calibration,
+    CalibrationState,
+    Job,
+    Pass,
+    PassState,
+    RigCalibration,
+    axles_of,
+    measured_recordings,
+    measurements_page,
+    the,
+    wheels_of,
+)
+from station.worker.calibrating_rig import calibrate_rig
+from station.worker.context import Mathematics, WorkContext
+from station.worker.measuring import begin_measuring, conclude_measuring, measure_step
+
+BOTH = ("inner", "outer")
+
+
+@pytest.fixture
+def trace(tmp_path):
+    return tmp_path / "trace"
+
+
+@pytest.fixture
+def context(ground, trace):
+    mathematics = SlowMathematics(trace, step_s=0.0)
+    return WorkContext(ground.settings, ground.store, ground.layout, mathematics.parts)
+
+
+def measure_all(context, job_id):
+    steps = begin_measuring(context, job_id)
+    results = [
+        measure_step(context, job_id, each, place=place, of=len(steps))
+        for place, each in enumerate(steps)
+    ]
+    conclude_measuring(context, job_id, results)
+    return steps
+
+
+def found(ground, table, row_id):
+    with ground.store.look() as session:
+        return the(session, table, row_id)
+
+
+def test_recordings_of_a_rig_are_one_step_and_each_wheel_is_one_row(ground, context, trace):
+    rig = ground.bring_rig_into_force()
+    job = ground.order_measuring("p1", sensors=(*BOTH, "right"), rig=rig)
+    ground.take_off_rig("p1", "right")
+    assert measure_all(context, job) == ["rig:of-wheel", "pass.p1.right"]
+    row = found(ground, Pass, "p1")
+    assert (row.state, row.reason) == ("done", None)
+    with ground.store.look() as session:
+        wheels = wheels_of(session, row)
+        sides = {each.side: each for each in axles_of(session, "p1")}
+    assert [(w.sensor, w.frame, w.rig_calibration_id) for w in wheels] == [
+        *(("right", frame, None) for frame in range(1, WHEELS + 1)),
+        *(("wheel", frame, rig) for frame in range(1, WHEELS + 1)),
+    ]
+    assert "begin measure rig wheel inner outer" in trace.read_text()
+    # Left and right wheel of an axle stand beside each other: a rig is one looker at its side.
+    assert None not in {sides["left"].measurement_id, sides["right"].measurement_id}
+
+
+def test_a_rigs_step_done_again_after_a_crash_adds_nothing(ground, context):
+    job = ground.order_measuring("p1", sensors=BOTH, rig=ground.bring_rig_into_force())
+    (step,) = begin_measuring(context, job)
+    for _ in range(3):
+        measure_step(context, job, step, place=0, of=1)
+    measure_all(context, job)
+    with ground.store.look() as session:
+        assert len(measurements_page(session, limit=100).rows) == WHEELS
+
+
+def test_a_sensor_that_recorded_nothing_leaves_the_wheel_to_the_other_and_is_named(ground, context):
+    job = ground.order_measuring(
+        "p1", sensors=BOTH, rig=ground.bring_rig_into_force(), recorded={"outer": 0}
+    )
+    measure_all(context, job)
+    row = found(ground, Pass, "p1")
+    assert row.reason == "pass.p1.outer: no frame was recorded"
+    with ground.store.look() as session:
+        wheel = wheels_of(session, row)[0]
+    assert wheel.wheel["sensors"] == ["inner"]
+    assert wheel.wheel["quality"]["by_sensor"] == {"outer": "no frame was recorded"}
+
+
+def test_without_a_rig_in_force_sensors_are_measured_one_by_one_and_the_pass_says_so(
+    ground, context
+):
+    job = ground.order_measuring("p1", sensors=BOTH)
+    assert measure_all(context, job) == ["pass.p1.inner", "pass.p1.outer"]
+    assert found(ground, Pass, "p1").reason == (
+        "rig wheel: no calibration was active, its sensors were measured one by one"
+    )
+
+
+def test_both_recordings_of_a_measured_rig_have_served_their_purpose(ground, context):
+    """Its wheels are kept beside one of the recordings."""
+    job = ground.order_measuring("p1", sensors=BOTH, rig=ground.bring_rig_into_force())
+    measure_all(context, job)
+    with ground.store.look() as session:
+        assert the(session, Pass, "p1").state is PassState.DONE
+        assert {each.sensor for each in measured_recordings(session)} == set(BOTH)
+
+
+def test_a_calibrated_rig_is_ready_with_its_file(ground, context):
+    job = ground.order_rig_calibration("r1")
+    calibrate_rig(context, job)
+    row = found(ground, RigCalibration, "r1")
+    assert (row.state, row.passed, found(ground, Job, job).state) == ("ready", True, "done")
+    assert '"anchor":"inner"' in row.document
+
+
+def test_a_rig_that_cannot_be_calibrated_fails_with_the_reason(ground, context, monkeypatch):
+    taken_out = ground.settings.model_copy(update={"rigs": ()})
+    job = ground.order_rig_calibration("r1")
+    calibrate_rig(WorkContext(taken_out, *_rest(context)), job)
+    row = found(ground, RigCalibration, "r1")
+    assert (row.state, row.document) == ("failed", None)
+    assert row.reason == "rig 'wheel' was taken out of the settings; order it anew"
+
+
+def test_a_cancelled_calibration_of_a_rig_has_failed(ground):
+    class Deaf:
+        def cancel(self, _job_id): ...
+
+    job = ground.order_rig_calibration("r1")
+    cancel_job(
+        Station(ground.settings, ground.store, ground.layout, {}, Deaf(), lambda _: None),
+        job,
+        by=Actor("test"),
+    )
+    assert found(ground, RigCalibration, "r1").reason == "cancelled"
+
+
+def test_real_recordings_of_both_sensors_become_wheels_of_the_rig(ground, context, rig_shots):
+    record_rig(ground.layout.root, [rig_shots[:1], rig_shots[:1]], lost=[("outer", 2)])
+    with ground.store.change() as session:
+        for sensor in BOTH:
+            the(session, Calibration, f"of-{sensor}").document = calibration_of(
+                sensor
+            ).model_dump_json()
+        session.add(
+            RigCalibration(
+                id="true",
+                state=CalibrationState.READY,
+                rig="wheel",
+                created_at=context.now(),
+                document=true_rig().model_dump_json(),
+            )
+        )
+    real = Mathematics(calibrate_sources, measure_sources, calibrate_rig_sources, measure_rig)
+    job = ground.order_measuring("p1", sensors=BOTH, rig="true")
+    measure_all(replace(context, mathematics=real), job)
+    row = found(ground, Pass, "p1")
+    assert (row.state, row.reason) == ("done", None)
+    with ground.store.look() as session:
+        both, one = [each.wheel for each in wheels_of(session, row)]
+        places = axles_of(session, "p1")
+    assert (both["sensors"], one["sensors"]) == (["inner", "outer"], ["inner"])
+    assert both["flange_thickness_10"]["status"] == "ok"
+    assert both["quality"]["by_sensor"]["outer"]["points"] > 0
+    assert "recalibrated" not in both["quality"]
+    assert [(each.number, each.reason is None) for each in places if each.side == "left"] == [
+        (1, True),
+        (2, True),
+    ]
+
+
+def _rest(context):
+    return context.store, context.layout, context.mathematics
