@@ -47,6 +47,6 @@ def shot(wheel, rng=None, *, moved=None, names=("inner", "outer"), frame=1, time
         sensor, pose = STANDS[name]
         shift = np.zeros(3) if moved is None else np.asarray(moved.get(name, np.zeros(3)))
         pose = moved_by(pose, np.concatenate([np.zeros(3), shift]))
-        stripe = ws.stripe_on(wheel, sensor, pose, rng, **noise)
+        stripe = ws.stripe_on(wheel, sensor, pose, rng, shadows=True, **noise)
         frames.append(WheelFrame(stripe, frame, f"{name}.mcap", time_ns, name))
     return Shot(tuple(frames))

@@ -73,7 +73,13 @@ def test_a_step_of_no_height_is_refused(height):
 
 
 @pytest.mark.parametrize(
-    "about", [{"u95_mm": -1.0}, {"squareness_deg": np.nan}, {"held_u95_mm": -0.1}]
+    "about",
+    [
+        {"u95_mm": -1.0},
+        {"squareness_deg": np.nan},
+        {"held_u95_mm": -0.1},
+        {"length_in_rig": (0.0, 0.0, 0.0)},
+    ],
 )
 def test_figures_out_of_range_are_refused(about):
     with pytest.raises(PieceInvalid, match="allowed"):

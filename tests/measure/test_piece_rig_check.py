@@ -11,6 +11,9 @@ from piece_stripes import comb, stripe_on
 from calib import Rig, RigidTransform
 from measure import PieceVerdict, judge_piece, judge_piece_on_rig
 
+# The direction of `held` where sheets are turned by 15 degrees, and it by half of that.
+KEPT = (np.cos(np.radians(7.5)), 0.0, -np.sin(np.radians(7.5)))
+
 
 def well_known(scale=0.2, **about):
     """The rig of two with smaller sigmas."""
@@ -122,6 +125,20 @@ def test_sheets_far_apart_leave_shifts_open_where_the_piece_may_slant(rng):
     assert by_name(answer)["shift x outer"].u95_mm > 0.2
     steady = judged(rig, rig, rng, piece=rib(squareness_deg=0.05))
     assert steady.verdict is PieceVerdict.TRUE, steady.reason
+
+
+def test_a_holder_that_keeps_the_length_makes_sheets_far_apart_tell(rng):
+    turned = np.radians(15.0)
+    rig = well_known(turned_rad=turned, apart_mm=110.0)
+    about = {"sheet_turn_rad": 0.5 * turned, "slant_rad": (2e-4, -2e-4)}
+    answers = [
+        judge_piece_on_rig([("a", shot_of(rig, held(piece, **about), piece, rng))], rig, piece)
+        for piece in (rib(squareness_deg=0.03), rib(squareness_deg=0.03, length_in_rig=KEPT))
+    ]
+    # Sheets turned against each other do not say to which of them a piece is square.
+    assert [one.verdict for one in answers] == [PieceVerdict.UNKNOWN, PieceVerdict.TRUE]
+    loose, kept = (by_name(one)["shift x outer"] for one in answers)
+    assert kept.u95_mm < 0.2 * loose.u95_mm
 
 
 def test_one_blind_sensor_is_no_evidence_of_a_rig(rng):

@@ -6,8 +6,8 @@ import wheel_stripes as ws
 
 from calib import CameraModel, LaserSensor, LightPlane
 from measure import Status, WheelFrame, measure_wheel, reference_profile
-from measure.reading import Value
 from measure.gauging.uncertainty import Budget, whitened
+from measure.reading import Value
 from measure.wheel import generalised_mean
 
 SENSOR, RIG = ws.trackside()

@@ -101,7 +101,9 @@ def worn(y, z, tread_wear_mm, flange_wear_mm):
     return y - face, z - tread
 
 
-def stripe_on(wheel, sensor, rig_from_camera, rng=None, *, sigma_px=0.05, spacing_px=1.0):
+def stripe_on(
+    wheel, sensor, rig_from_camera, rng=None, *, sigma_px=0.05, spacing_px=1.0, shadows=False
+):
     """The stripe of a wheel, about one point per pixel, with noise across it."""
     profile = wheel.points()
     keep = (profile[:, 0] > wheel.span_y_mm[0]) & (profile[:, 0] < wheel.span_y_mm[1])
@@ -109,7 +111,8 @@ def stripe_on(wheel, sensor, rig_from_camera, rng=None, *, sigma_px=0.05, spacin
     camera_from_rig = rig_from_camera.inverse()
     in_cam = camera_from_rig.apply(points)
     facing = np.sum((normals @ camera_from_rig.rotation.T) * -in_cam, axis=1) > 0.0
-    facing &= ~hidden(profile[keep], points, normals, rig_from_camera.translation_mm)
+    if shadows:
+        facing &= ~hidden(profile[keep], points, normals, rig_from_camera.translation_mm)
     pixels = sensor.camera.project(in_cam)
     inside = facing & (pixels > 0).all(axis=1) & (pixels < [2047, 1087]).all(axis=1)
     return points_along(pixels, inside, rng, sigma_px, spacing_px)
@@ -142,7 +145,7 @@ def section_in_rig(wheel, profile, sensor, rig_from_camera):
 
 
 def hidden(profile, points, normals, eye):
-    """Which points of a section the profile itself hides from an eye that is nearly in its plane."""
+    """Which points of a section the profile hides from an eye that is nearly in its plane."""
     axial = np.array([0.0, 1.0, 0.0])
     outward = normals - (normals @ axial)[:, None] * axial
     outward = outward[np.argmax(np.linalg.norm(outward, axis=1))]
