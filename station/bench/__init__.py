@@ -20,6 +20,9 @@ from station.bench.piece import bench_piece
 from station.bench.piece_u95 import bench_piece_u95
 from station.bench.pose_sets import bench_pose_sets
 from station.bench.rig_calibration import bench_rig_calibration
+from station.bench.rig_intervals import bench_rig_intervals
+from station.bench.rig_times import bench_rig_times
+from station.bench.rig_wheels import bench_rig_wheels
 from station.bench.stripe import bench_stripe, bench_stripe_sigma
 from station.bench.sweeps import bench_sweeps
 from station.progress import Progress
@@ -47,6 +50,7 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
     "paper": (bench_paper,),
     "piece": (bench_piece, bench_piece_u95),
     "deviations": (bench_deviations,),
+    "rig": (bench_rig_wheels, bench_rig_intervals, bench_rig_times),
     "rig-calibration": (bench_rig_calibration,),
     "calibration": (bench_sweeps, bench_pose_sets, bench_solving, bench_solvers),
     "stripe": (bench_stripe, bench_stripe_sigma),
@@ -68,6 +72,9 @@ __all__ = [
     "bench_pose_sets",
     "bench_profiles",
     "bench_rig_calibration",
+    "bench_rig_intervals",
+    "bench_rig_times",
+    "bench_rig_wheels",
     "bench_rolling",
     "bench_solvers",
     "bench_solving",
