@@ -24,6 +24,7 @@ from calib.compare import (
     sheet_difference_mm,
 )
 from calib.compare_rigs import compare_placings
+from calib.compare_update import compare_sheets, compare_update
 from calib.errors import (
     CalibError,
     CameraMismatch,
@@ -123,6 +124,8 @@ __all__ = [
     "calibrate_rig",
     "compare_placings",
     "compare_sensors",
+    "compare_sheets",
+    "compare_update",
     "cramer_rao_bound",
     "frozen",
     "judge_cylinder",

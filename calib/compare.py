@@ -119,18 +119,29 @@ def compare_sensors(one: LaserSensor, other: LaserSensor, pixels_px: FloatArray)
     CameraMismatch
         If the cameras are of different picture sizes.
     """
-    if (one.camera.width, one.camera.height) != (other.camera.width, other.camera.height):
-        raise CameraMismatch(
-            f"calibrations of pictures of {one.camera.width} x {one.camera.height} px and of "
-            f"{other.camera.width} x {other.camera.height} px have no pixel in common; compare two "
-            "of one camera at one resolution"
-        )
+    ensure_same_pictures(one, other)
     covariance = one.location_covariance(pixels_px) + other.location_covariance(pixels_px)
     return SheetComparison(
         pixels_px,
         sheet_difference_mm(one, other, pixels_px),
         np.asarray(np.sqrt(np.trace(covariance, axis1=1, axis2=2))),
     )
+
+
+def ensure_same_pictures(one: LaserSensor, other: LaserSensor) -> None:
+    """Let only sensors be compared whose pictures have the same pixels.
+
+    Raises
+    ------
+    CameraMismatch
+        If the cameras are of different picture sizes.
+    """
+    if (one.camera.width, one.camera.height) != (other.camera.width, other.camera.height):
+        raise CameraMismatch(
+            f"calibrations of pictures of {one.camera.width} x {one.camera.height} px and of "
+            f"{other.camera.width} x {other.camera.height} px have no pixel in common; compare two "
+            "of one camera at one resolution"
+        )
 
 
 def _rms(values: FloatArray) -> float:

@@ -8,8 +8,9 @@ from calib import StripePoints
 
 MIN_STRIPE_POINTS = 100
 """A picture with fewer points on its stripe shows no wheel."""
-MAX_SKEW_S = 0.002
-"""Frames farther apart in time were not triggered together: a tenth of the time between frames."""
+MAX_SKEW_S = 0.005
+"""Frames farther apart in time were not triggered together: a quarter of the time between frames,
+and more than the clocks of two cameras differ by."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

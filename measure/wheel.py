@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -54,8 +54,8 @@ class WheelQuality:
     ----------
     frames
         Frames that gave readings.
-    best_frame
-        The one that carried most weight; the profile is its.
+    best_frame, best_sensor
+        The one that carried most weight, and whose it is; the profile is that of its shot.
     points
         Stripe points used in it.
     left_out
@@ -78,6 +78,7 @@ class WheelQuality:
 
     frames: tuple[int, ...] = ()
     best_frame: int | None = None
+    best_sensor: str = ""
     points: int = 0
     left_out: Mapping[Cause, int] = field(default_factory=dict)
     coverage: float = 0.0
@@ -216,48 +217,54 @@ def _measure(
     assume_back: bool,
 ) -> WheelReadings:
     limits = limits if limits is not None else Limits.default()
-    outcomes = {
-        shot.frames[0].frame: read_shot(shot, rig, survey, reference, assume_back=assume_back)
-        for shot in shots
-    }
-    seen = {n: out for n, out in outcomes.items() if isinstance(out, ShotReadings)}
-    unmeasured = {n: out.reason for n, out in outcomes.items() if isinstance(out, Unmeasured)}
+    outcomes = [
+        (shot, read_shot(shot, rig, survey, reference, assume_back=assume_back)) for shot in shots
+    ]
+    seen = [(shot, out) for shot, out in outcomes if isinstance(out, ShotReadings)]
+    unmeasured = [(shot, out.reason) for shot, out in outcomes if isinstance(out, Unmeasured)]
     if not seen:
-        return _nothing(shots, unmeasured)
-    best = min(seen, key=lambda number: _doubt(seen[number]))
-    joined = {quantity: _join(quantity, list(seen.values()), reference) for quantity in Quantity}
+        return _nothing(unmeasured)
+    readings_of = [readings for _, readings in seen]
+    shot, best = min(seen, key=lambda each: _doubt(each[1]))
+    joined = {quantity: _join(quantity, readings_of, reference) for quantity in Quantity}
     readings = {
         quantity: _reading(quantity, *value, limits) if value is not None else Reading.missing()
         for quantity, value in joined.items()
     }
-    places = tuple(shot.place for shot in seen.values())
+    places = tuple(each.place for each in readings_of)
     diameter = wheel_diameter(places, survey) if survey is not None else None
     if diameter is not None:
         readings[Quantity.DIAMETER] = diameter.reading(limits)
     return WheelReadings(
         readings=readings,
-        profile=_profile(seen[best], rig, reference),
-        quality=_quality(seen, best, unmeasured, rig),
+        profile=_profile(best, rig, reference),
+        quality=replace(
+            _quality(best, rig),
+            frames=tuple(_number(each) for each, _ in seen),
+            best_frame=_number(shot),
+            best_sensor=shot.frames[0].sensor,
+            unmeasured={_number(each): reason for each, reason in unmeasured},
+        ),
         reason=None,
         places=places,
         diameter=diameter,
     )
 
 
-def _nothing(shots: Sequence[Shot], unmeasured: Mapping[int, str]) -> WheelReadings:
-    # The shot with most points had the best chance: its reason says most.
-    def points(shot: Shot) -> int:
-        return sum(len(frame.stripe) for frame in shot.frames)
+def _number(shot: Shot) -> int:
+    return shot.frames[0].frame
 
-    fullest = max(shots, key=points, default=None)
-    reason = "no picture of this wheel"
-    if fullest is not None:
-        reason = unmeasured[fullest.frames[0].frame]
+
+def _nothing(unmeasured: Sequence[tuple[Shot, str]]) -> WheelReadings:
+    # The shot with most points had the best chance: its reason says most.
+    def points(each: tuple[Shot, str]) -> int:
+        return sum(len(frame.stripe) for frame in each[0].frames)
+
     return WheelReadings(
         readings={quantity: Reading.missing() for quantity in Quantity},
         profile=None,
-        quality=WheelQuality(unmeasured=unmeasured),
-        reason=reason,
+        quality=WheelQuality(unmeasured={_number(shot): reason for shot, reason in unmeasured}),
+        reason=max(unmeasured, key=points)[1] if unmeasured else "no picture of this wheel",
     )
 
 
@@ -308,18 +315,13 @@ def _profile(shot: ShotReadings, rig: Rig, reference: ReferenceProfile) -> Profi
     return Profile(nodes[:, 0] - shot.back_mm, nodes[:, 1] - shot.tip_mm + nominal, sigma, seen_by)
 
 
-def _quality(
-    seen: Mapping[int, ShotReadings], best: int, unmeasured: Mapping[int, str], rig: Rig
-) -> WheelQuality:
-    chosen = seen[best]
+def _quality(chosen: ShotReadings, rig: Rig) -> WheelQuality:
     merged, first = chosen.merged, chosen.merged.first
     yaw = first.sheet_yaw_rad
     left_out = Counter[Cause]()
     for part in merged.parts:
         left_out.update(part.left_out)
     return WheelQuality(
-        frames=tuple(seen),
-        best_frame=best,
         points=len(merged.along_mm),
         left_out=dict(left_out),
         coverage=chosen.coverage,
@@ -327,7 +329,6 @@ def _quality(
         axle_offset_mm=first.axle_offset_mm,
         sheet_yaw_deg=float(np.degrees(yaw)) if yaw is not None else None,
         wear_max_at_d_mm=chosen.wear_max_at_d_mm,
-        unmeasured=unmeasured,
         sensors=rig.names,
         by_sensor=_shares(merged),
     )

@@ -18,6 +18,9 @@ _NEAR_SINE = 0.15
 _ALIKE = 0.9
 _PAIRS = 300
 _POSES = 1000
+# Which of them are worth a look at all points, a few tell.
+_ROUGHLY = 4
+_LIKELY = 200
 _REFINED = 6
 _SAME_MM = 1.0
 # A pair along one straight side fits everywhere along it, and along every other straight line.
@@ -88,6 +91,9 @@ def find_piece(sheet_mm: FloatArray, normal: FloatArray, piece: Piece) -> list[P
         known = _Known.of(piece, mirror)
         seen = _pairs(points, normals, rng, piece.size_mm)
         turns, shifts = _aligned(seen, known, rng)
+        rough = _scores(turns, shifts, points[::_ROUGHLY], normals[::_ROUGHLY], known)
+        likely = np.argsort(-rough, kind="stable")[:_LIKELY]
+        turns, shifts = turns[likely], shifts[likely]
         scores = _scores(turns, shifts, points, normals, known)
         for place in np.argsort(-scores, kind="stable")[: 8 * _REFINED]:
             pose = PiecePose(turns[place] * [mirror, 1.0], shifts[place])

@@ -1,5 +1,6 @@
 """How a wheel changes from pass to pass: its rate of wear, and jumps."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,7 +25,8 @@ class TrendPoint:
     u95_mm: float
 
     def __post_init__(self) -> None:
-        if not (np.isfinite([self.day, self.value_mm]).all() and 0.0 < self.u95_mm < np.inf):
+        finite = math.isfinite(self.day) and math.isfinite(self.value_mm)
+        if not (finite and 0.0 < self.u95_mm < math.inf):
             raise ValueError(f"a point needs a time, a value and a positive u95, got {self!r}")
 
 

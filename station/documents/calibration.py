@@ -1,6 +1,7 @@
 """calibration.json: the answer, and what went in, so that it can be questioned later."""
 
 import hashlib
+import math
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -25,7 +26,7 @@ class PlaneDocument(Document):
 
     @model_validator(mode="after")
     def _check_unit_normal(self) -> Self:
-        length = float(np.linalg.norm([self.a, self.b, self.c]))
+        length = math.hypot(self.a, self.b, self.c)
         if not abs(length - 1.0) <= 1e-6:
             raise ValueError(f"the normal (a, b, c) has length {length:.6g}; allowed: 1")
         return self

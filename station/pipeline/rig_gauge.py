@@ -5,7 +5,15 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from calib import Rig
-from measure import Limits, ReferenceProfile, Shot, Survey, WheelFrame, measure_wheel_on_rig
+from measure import (
+    Diameter,
+    Limits,
+    ReferenceProfile,
+    Shot,
+    Survey,
+    WheelFrame,
+    measure_wheel_on_rig,
+)
 from station.documents import CalibrationDocument, RigDocument, WheelDocument, wheel_document
 from station.errors import InputUnusable, StationError
 from station.pipeline.batches import Batch
@@ -115,8 +123,8 @@ class RigGauge:
             shots, self.rig, self.survey, self.reference, limits=self.limits
         )
         firsts = [shot.frames[0] for shot in shots]
-        best = answer.quality.best_frame
-        chosen = next((frame for frame in firsts if frame.frame == best), firsts[0])
+        best = answer.quality.best_sensor, answer.quality.best_frame
+        chosen = next((each for each in firsts if (each.sensor, each.frame) == best), firsts[0])
         wheel = wheel_document(
             answer,
             source=chosen.source,
@@ -126,11 +134,19 @@ class RigGauge:
             time=utc(chosen.time_ns),
             reference=self.reference,
         )
-        return wheel.model_copy(update={"quality": self._with_what_is_ours(wheel.quality)})
+        return wheel.model_copy(update={"quality": self._more_of(wheel.quality, answer.diameter)})
 
-    def _with_what_is_ours(self, quality: Mapping[str, object]) -> dict[str, object]:
-        """Add what the readings cannot know: which sensors had no part, or a newer calibration."""
+    def _more_of(
+        self, quality: Mapping[str, object], diameter: Diameter | None
+    ) -> dict[str, object]:
+        """Add what is behind the diameter, which sensors had no part, or a newer calibration."""
         said = dict(quality)
+        if diameter is not None:
+            said["diameter"] = {
+                "sections": diameter.sections,
+                "share": diameter.share,
+                "reason": diameter.reason,
+            }
         known = said.get("by_sensor")
         shares = dict(known) if isinstance(known, dict) else {}
         for sensor, reason in self.silent.items():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rig_scene import BOARD, board_errors, calibrated, drawn, placings, two_boards
 
-from calib import Cause, RigidTransform, RigShowing, TooFewViews, calibrate_rig
+from calib import Cause, LightPlane, RigidTransform, RigShowing, TooFewViews, calibrate_rig
 
 SIGMA_BOARD_MM = 0.02
 
@@ -41,6 +41,11 @@ def _surprise(answer, scene, anchor="inner", other="outer"):
     miss = np.concatenate([turn, found.translation_mm - true.translation_mm])
     columns = answer.rig.columns(other)[-6:]
     return miss @ np.linalg.solve(answer.rig.covariance[np.ix_(columns, columns)], miss)
+
+
+def _from_other_corner(view):
+    row, col = BOARD.rows - 1 - view.points.row, BOARD.cols - 1 - view.points.col
+    return replace(view, points=replace(view.points, row=row, col=col))
 
 
 def _with_view(showing, sensor, change):
@@ -132,18 +137,45 @@ def test_of_several_lines_the_one_near_the_known_sheet_is_the_stripe(scene, told
     showings = [_with_view(each, "inner", doubled) for each in _showings(scene, rng)]
     answer = _solved(showings, told, scene)
     assert all(view.solved.stripe.used.mean() > 0.9 for view in answer.views)
+    assert answer.warnings == ()
+    assert _surprise(answer, scene) < MOST_SURPRISE
+
+
+def test_camera_of_other_pixels_contradicts_its_calibration(scene, told, rng):
+    true = scene.sensors["outer"]
+    # Of what the dots tell by themselves, the ratio of fx and fy is the surest.
+    camera = replace(true.camera, fy=true.camera.fy + 8.0)
+    scene = replace(scene, sensors={**scene.sensors, "outer": replace(true, camera=camera)})
+    showings = [
+        _with_view(each, "outer", lambda view: replace(view, stripe=None))
+        for each in _showings(scene, rng)
+    ]
+    warnings = _solved(showings, told, scene).warnings
+    (warning,) = [text for text in warnings if "contradict the calibration" in text]
+    assert "'outer'" in warning
+
+
+def test_sensor_that_was_bent_since_its_calibration_is_told(scene, told, rng):
+    plane = scene.sensors["outer"].plane
+    bent = LightPlane(plane.normal_in_cam, plane.offset_mm + 1.0)
+    truth = {**scene.sensors, "outer": replace(scene.sensors["outer"], plane=bent)}
+    scene = replace(scene, sensors=truth)
+    answer = _solved(_showings(scene, rng), told, scene)
+    (warning,) = answer.warnings
+    assert warning.startswith("the sheet of 'outer' lies 1")
+    assert "calibrate the sensor anew" in warning
+    found = answer.rig["outer"].sensor.plane
+    sigma_mm = np.sqrt(answer.rig.covariance[answer.rig.columns("outer")[12]][19 + 12])
+    assert abs(found.offset_mm - bent.offset_mm) < 5.0 * sigma_mm
+    assert _surprise(answer, scene) < MOST_SURPRISE
 
 
 def test_boards_numbered_from_the_other_corner_are_found(scene, told, rng):
     showings = _showings(scene, rng)
     plain = _solved(showings, told, scene)
 
-    def turned(view):
-        row, col = BOARD.rows - 1 - view.points.row, BOARD.cols - 1 - view.points.col
-        return replace(view, points=replace(view.points, row=row, col=col))
-
     for place, sensor in ((0, "inner"), (3, "outer"), (5, "inner"), (5, "outer")):
-        showings[place] = _with_view(showings[place], sensor, turned)
+        showings[place] = _with_view(showings[place], sensor, _from_other_corner)
     answer = _solved(showings, told, scene)
     found = {(view.showing, view.sensor) for view in answer.views if view.quarters}
     assert found == {("s0", "inner"), ("s3", "outer"), ("s5", "inner"), ("s5", "outer")}
@@ -153,6 +185,27 @@ def test_boards_numbered_from_the_other_corner_are_found(scene, told, rng):
         atol=1e-4,
     )
     np.testing.assert_allclose(answer.rig.covariance, plain.rig.covariance, rtol=1e-2, atol=1e-9)
+
+
+def test_boards_numbered_by_chance_are_found(scene, told, rng):
+    showings = _showings(scene, rng)
+    turned = {}
+    for place, showing in enumerate(showings):
+        for sensor in showing.views:
+            turned[showing.name, sensor] = rng.random() < 0.5
+            if turned[showing.name, sensor]:
+                showings[place] = _with_view(showings[place], sensor, _from_other_corner)
+    answer = _solved(showings, told, scene)
+    assert answer.left_out == {}
+    for sensor in told:
+        # Which of the two numberings is the board's own is nobody's to say.
+        same = {
+            bool(view.quarters) == turned[view.showing, view.sensor]
+            for view in answer.views
+            if view.sensor == sensor
+        }
+        assert len(same) == 1
+    assert _surprise(answer, scene) < MOST_SURPRISE
 
 
 def test_boards_side_by_side_are_numbered_right_too(told, rng):
@@ -171,17 +224,13 @@ def test_boards_side_by_side_are_numbered_right_too(told, rng):
         },
     )
 
-    def turned(view):
-        row, col = BOARD.rows - 1 - view.points.row, BOARD.cols - 1 - view.points.col
-        return replace(view, points=replace(view.points, row=row, col=col))
-
     shifts = board_errors(rng, scene, SIGMA_BOARD_MM)
     showings = [
         scene.showing(f"s{index}", pose, rng, shifts, stripe_count=30)
         for index, pose in enumerate(placings(rng, scene, 8, tilt_deg=6.0))
     ]
     for sensor in ("inner", "outer"):
-        showings[2] = _with_view(showings[2], sensor, turned)
+        showings[2] = _with_view(showings[2], sensor, _from_other_corner)
     answer = _solved(showings, told, scene)
     assert {view.showing for view in answer.views if view.quarters} == {"s2"}
     assert _surprise(answer, scene) < MOST_SURPRISE

@@ -3,6 +3,8 @@
 Stripes are plain geometry with noise; blur, bleeding edges and the laser's shadows are not in them.
 """
 
+import time
+
 import numpy as np
 import pytest
 from piece_rig_stripes import (
@@ -267,6 +269,19 @@ def test_derivatives_are_those_of_differences(rng):
         np.testing.assert_allclose(
             (up - down) / (2.0 * small), seen.by_rig[:, column], atol=1e-5, rtol=1e-5
         )
+
+
+def test_a_solve_takes_little_time(rig, shots, found):
+    """Against what the same machine needs, at the same time, for a fixed piece of algebra."""
+    matrix = np.eye(120) + 1.0 / (1.0 + np.abs(np.subtract.outer(range(120), range(120))))
+    start = time.process_time()
+    for _ in range(100):
+        np.linalg.eigh(matrix)
+    algebra_s = time.process_time() - start
+    start = time.process_time()
+    solved(rig, shots)
+    # Six placings are measured at 6 times as much, of which ten are to take a second at most.
+    assert time.process_time() - start < 20.0 * algebra_s
 
 
 def test_the_covariance_is_about_that_of_the_errors():

@@ -41,9 +41,9 @@ def test_a_frame_that_was_lost_shifts_no_other():
 
 
 def test_frames_farther_apart_than_the_skew_are_not_joined():
-    frames = {"inner": [frame("inner", 0, 0.0)], "outer": [frame("outer", 0, 2.5)]}
+    frames = {"inner": [frame("inner", 0, 0.0)], "outer": [frame("outer", 0, 5.5)]}
     assert len(group_into_shots(frames)) == 2
-    assert len(group_into_shots(frames, max_skew_s=0.003)) == 1
+    assert len(group_into_shots(frames, max_skew_s=0.006)) == 1
 
 
 def test_pictures_pair_by_their_order():

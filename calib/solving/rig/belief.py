@@ -10,7 +10,7 @@ from calib.arrays import FloatArray
 from calib.solving.joint.mixture import Mixture, correlated_run
 from calib.solving.joint.normal_equations import NormalEquations
 from calib.solving.rig.place import ChannelPlace, prior_equations
-from calib.solving.rig.problem import RigProblem
+from calib.solving.rig.problem import Channel, RigProblem
 from calib.solving.rig.unknowns import RigState
 
 # The scales have settled when a step changes them by less than this part.
@@ -61,22 +61,39 @@ class RigBelief:
 
     @classmethod
     def from_medians(cls, problem: RigProblem, place: RigPlace) -> "RigBelief":
-        """Judge from near: most points are good, and gross errors stand out."""
+        """Judge from near: most points are good, and gross errors stand out.
+
+        A stripe is judged against its own line, and those on the sheet of most of their kind are
+        let in: judged against the sheet as calibrated, a sensor that was bent since would be taken
+        for one whose stripes scatter.
+        """
         dots, stripe = [], []
         for sensor in range(len(problem.priors)):
-            of_dots, of_stripe = _residuals(problem, place, sensor)
-            sigmas = [problem.channels[index].observations for index in problem.of_sensor(sensor)]
+            own = problem.of_sensor(sensor)
+            seen = [problem.channels[index].observations for index in own]
             dots.append(
-                Mixture.from_median(of_dots, _stacked([each.dots.sigma_px for each in sigmas]))
+                Mixture.from_median(
+                    _residuals(problem, place, sensor)[0],
+                    _stacked([each.dots.sigma_px for each in seen]),
+                )
             )
+            scatter = [
+                _off_own_line(problem.channels[index], place.channels[index]) for index in own
+            ]
             stripe.append(
-                Mixture.from_median(of_stripe, _stacked([each.stripe.sigma_px for each in sigmas]))
+                Mixture.from_median(
+                    _stacked(scatter), _stacked([each.stripe.sigma_px for each in seen])
+                )
             )
-        return cls.of(
+        judged = cls.of(
             problem,
             place,
             tuple(replace(each, settled=True) for each in dots),
             tuple(replace(each, settled=True) for each in stripe),
+        )
+        return replace(
+            judged,
+            stripe_weight=tuple(np.where(each.on_sheet, 1.0, 0.0) for each in problem.channels),
         )
 
     def settled_at(self, problem: RigProblem, place: RigPlace) -> "RigBelief":
@@ -178,6 +195,18 @@ def _residuals(problem: RigProblem, place: RigPlace, sensor: int) -> tuple[Float
         _stacked([place.channels[index].dots.residual for index in own]),
         _stacked([place.channels[i].stripe.residual[problem.channels[i].stripe_in] for i in own]),
     )
+
+
+def _off_own_line(channel: Channel, at: ChannelPlace) -> FloatArray:
+    """Return the residuals of stripe points on lines, less the line of each picture, (N, 1)."""
+    table, residual = channel.observations.stripe, at.stripe.residual[:, 0].copy()
+    for view in range(channel.observations.count):
+        own = np.flatnonzero((table.view == view) & channel.on_sheet)
+        if len(own):
+            along = table.along_px[own] - table.along_px[own].mean()
+            slope = along @ residual[own] / max(float(along @ along), 1e-9)
+            residual[own] -= residual[own].mean() + slope * along
+    return residual[channel.on_sheet, None]
 
 
 def _stacked(parts: list[FloatArray]) -> FloatArray:

@@ -15,14 +15,21 @@ from calib.solving.rig.assembly import (
     solved_pictures,
     solved_rig,
 )
+from calib.solving.rig.bent import without_bent_sheets
 from calib.solving.rig.doubts import Doubts, doubts_of
+from calib.solving.rig.links import require_shared
 from calib.solving.rig.problem import Given, RigProblem, first_state
 from calib.solving.rig.reach import reach_of, reach_warnings
 from calib.solving.rig.seen import SeenView, seen_views
 from calib.solving.rig.showing import RigShowing, check_names
 from calib.solving.rig.solve import RigSolution, solve_rig
 from calib.solving.rig.start import RigStart, require_agreement, start_rig
-from calib.solving.rig.warnings import board_warnings, doubt_warnings, fit_warnings
+from calib.solving.rig.warnings import (
+    board_warnings,
+    calibration_warnings,
+    doubt_warnings,
+    fit_warnings,
+)
 from calib.target import Target
 
 
@@ -43,7 +50,8 @@ def calibrate_rig(
         showing that one camera alone saw still serves its sensor and the boards.
     sensors
         As calibrated, each by itself; their covariances are priors, and what has no variance is
-        held. Their order is that of the rig.
+        held. Their order is that of the rig. A sheet that its stripes are far off was bent since:
+        it is solved from these pictures alone, and told.
     boards
         The target's boards by name. Their mutual pose is not known, but the same in all showings;
         one board that all cameras see is the simplest target.
@@ -92,7 +100,8 @@ def calibrate_rig(
     sigma = _sigma_by_board(sigma_board_mm, boards)
     views, reasons = seen_views(showings, sensors, boards)
     _require_pictures(views, sensors, reasons)
-    given = Given(sensors, boards, sigma, anchor)
+    opened, bent = without_bent_sheets(views, sensors)
+    given = Given(opened, boards, sigma, anchor)
     found = _solved(given, start_rig(views, boards, anchor))
     start, problem, solution = found.start, found.problem, found.solution
     rig = solved_rig(problem, solution)
@@ -118,6 +127,8 @@ def calibrate_rig(
         warnings=(
             *(f"{name} left out: {why}" for name, why in start.left_out.items()),
             *(f"{showing}, {name}: {why}" for (showing, name), why in reasons.items()),
+            *bent,
+            *calibration_warnings(problem, solution),
             *doubt_warnings(found.doubts),
             *fit_warnings(fits),
             *board_warnings(solved),
@@ -153,6 +164,7 @@ def _solved(given: Given, start: RigStart) -> _Solved:
     while solved.doubts.worst > 1.0:
         start = solved.start.without(solved.doubts.reasons)
         require_agreement(len(start.left_out), asked)
+        require_shared(start.views, list(given.sensors), given.anchor)
         without = _Solved.of(given, start)
         if solved.doubts.worst <= without.doubts.usual:
             break

@@ -24,42 +24,27 @@ from dataclasses import dataclass, replace
 from itertools import combinations, product
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.rigid import RigidTransform
+from calib.solving.rig.closed_form import (
+    FEWEST_SHOWINGS,
+    Candidates,
+    Numbered,
+    answers_of_threes,
+    solved_sets,
+)
 
 # A turn is worth the shift it makes at this distance: half a board.
 _LEVER_MM = 50.0
 # A showing that misses by more says no more than that it misses.
 _MOST_MISS_MM = 5.0
-_MOST_TRIPLES = 60
-# Of 4 x 4 x 4 numberings of three showings, by chance few pass; turns of a pair agree within this.
-_ANGLES_AGREE_RAD = 0.05
 # Of numberings that agree alike the first is to be taken: each later one costs as much.
 _LATER_MM = 1e-6
 # A showing disagrees when it misses by so many times what most miss, and by more than noise can.
 _TIMES_USUAL, _LEAST_LIMIT_MM = 8.0, 0.5
 # Cameras that stand so otherwise are another answer, not a less exact one.
 _OTHERWISE_RAD = 0.3
-FEWEST_SHOWINGS = 3
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Numbered:
-    """Poses of a board before one camera at N showings, in each of M numberings.
-
-    Attributes
-    ----------
-    rotation, place_mm
-        Shapes (N, M, 3, 3) and (N, M, 3).
-    allowed
-        Shape (N, M), numberings that are not ruled out.
-    """
-
-    rotation: FloatArray
-    place_mm: FloatArray
-    allowed: BoolArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,19 +76,9 @@ class Agreement:
     rivalled: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Candidates:
-    """Many answers: rotations (C, 3, 3) and places (C, 3) of cameras and boards."""
-
-    turn: FloatArray
-    shift: FloatArray
-    board_turn: FloatArray
-    board_shift: FloatArray
-
-
 def agree_on_both(first: Numbered, second: Numbered) -> Agreement | None:
     """Find how cameras and boards stand, neither known; None where no three showings tell."""
-    tried = _from_threes(first, second)
+    tried = answers_of_threes(first, second)
     if len(tried.turn) == 0:
         return None
     misses_mm = _least_misses(tried, first, second)
@@ -115,7 +90,7 @@ def agree_on_both(first: Numbered, second: Numbered) -> Agreement | None:
             break
         a, b = _chosen(first, second, rows, agreement.numbering[rows])
         pairs = np.array(list(combinations(range(len(rows)), 2)))
-        better = _solved(*a, *b, pairs[None], np.arange(len(rows))[None])
+        better = solved_sets(*a, *b, pairs[None], np.arange(len(rows))[None])
         agreement = _judged(better, first, second)
     return replace(agreement, rivalled=rivalled)
 
@@ -139,19 +114,6 @@ def judge(
     return _agreed([cameras], [boards], first, second)
 
 
-def turns_between(poses: Numbered) -> FloatArray:
-    """Return the turns between all showings, rad, along the axes of the camera, shape (N, 3).
-
-    Of the numberings those are taken between which a board turns least.
-    """
-    found = []
-    for one, other in combinations(range(len(poses.rotation)), 2):
-        turned = poses.rotation[other] @ poses.rotation[one, 0].T
-        vectors = Rotation.from_matrix(turned).as_rotvec()
-        found.append(vectors[np.argmin(np.linalg.norm(vectors, axis=1))])
-    return np.array(found).reshape(-1, 3)
-
-
 def _allowed(first: Numbered, second: Numbered) -> list[tuple[RigidTransform, RigidTransform]]:
     """Return the pairs of poses of all showings, in all numberings that are not ruled out."""
     at = product(
@@ -171,7 +133,7 @@ def _pose(poses: Numbered, showing: int, numbering: int) -> RigidTransform:
 def _agreed(
     cameras: list[RigidTransform], boards: list[RigidTransform], first: Numbered, second: Numbered
 ) -> Agreement:
-    tried = _Candidates(
+    tried = Candidates(
         np.array([each.rotation for each in cameras]),
         np.array([each.translation_mm for each in cameras]),
         np.array([each.rotation for each in boards]),
@@ -182,84 +144,7 @@ def _agreed(
     return replace(agreement, rivalled=_rivalled(tried, misses_mm, agreement))
 
 
-def _from_threes(first: Numbered, second: Numbered) -> _Candidates:
-    """Return the answers of sets of three showings, in all numberings that may be."""
-    count, m1, m2 = len(first.rotation), first.rotation.shape[1], second.rotation.shape[1]
-    triples = np.array(list(combinations(range(count), 3)), dtype=np.int64).reshape(-1, 3)
-    if len(triples) > _MOST_TRIPLES:
-        triples = np.random.default_rng(0).choice(triples, _MOST_TRIPLES, replace=False)
-    options = np.array(list(product(range(m1), range(m2))), dtype=np.int64)
-    sets = np.array(list(product(range(len(options)), repeat=3)), dtype=np.int64)
-    # Every triple with every set of numberings: rows (triple, set), columns the three showings.
-    rows = np.repeat(triples, len(sets), axis=0)
-    chosen = options[np.tile(sets, (len(triples), 1))]
-    allowed = first.allowed[rows, chosen[:, :, 0]] & second.allowed[rows, chosen[:, :, 1]]
-    keep = allowed.all(axis=1)
-    for one, other in ((0, 1), (0, 2), (1, 2)):
-        angles = [
-            _angle(
-                poses.rotation[rows[:, other], pick[:, other]],
-                poses.rotation[rows[:, one], pick[:, one]],
-            )
-            for poses, pick in ((first, chosen[:, :, 0]), (second, chosen[:, :, 1]))
-        ]
-        keep &= np.abs(angles[0] - angles[1]) < _ANGLES_AGREE_RAD
-    rows, chosen = rows[keep], chosen[keep]
-    a = (first.rotation[rows, chosen[:, :, 0]], first.place_mm[rows, chosen[:, :, 0]])
-    b = (second.rotation[rows, chosen[:, :, 1]], second.place_mm[rows, chosen[:, :, 1]])
-    flat = [part.reshape(-1, *part.shape[2:]) for part in (*a, *b)]
-    index = np.arange(3 * len(rows)).reshape(-1, 3)
-    pairs = index[:, [[0, 1], [0, 2], [1, 2]]]
-    return _solved(flat[0], flat[1], flat[2], flat[3], pairs, index)
-
-
-def _angle(one: FloatArray, other: FloatArray) -> FloatArray:
-    trace = np.einsum("nij,nij->n", one, other)
-    return np.asarray(np.arccos(np.clip((trace - 1.0) / 2.0, -1.0, 1.0)))
-
-
-def _solved(
-    a_turn: FloatArray,
-    a_place: FloatArray,
-    b_turn: FloatArray,
-    b_place: FloatArray,
-    pairs: IntArray,
-    rows: IntArray,
-) -> _Candidates:
-    """Solve sets of poses, each by its pairs, shape (C, Q, 2), and its rows, shape (C, N)."""
-    one, other = pairs[..., 0], pairs[..., 1]
-    alpha = _rotation_vectors(a_turn[other] @ a_turn[one].swapaxes(-1, -2))
-    beta = _rotation_vectors(b_turn[other] @ b_turn[one].swapaxes(-1, -2))
-    turn = _nearest_rotation(np.einsum("cqi,cqj->cij", beta, alpha))
-    board_turn = _nearest_rotation(
-        np.einsum("cnji,cjk,cnkl->cil", b_turn[rows], turn, a_turn[rows])
-    )
-    # [I, -R_B] (shift of the cameras, shift of the boards) = t_B - R_Z t_A, by normal equations;
-    # the little on their diagonal keeps sets that tell nothing from being singular.
-    against = b_turn[rows]
-    side = b_place[rows] - np.einsum("cij,cnj->cni", turn, a_place[rows])
-    normal = np.zeros((len(rows), 6, 6))
-    normal[:, :3, :3] = normal[:, 3:, 3:] = rows.shape[1] * (1.0 + 1e-13) * np.eye(3)
-    normal[:, :3, 3:] = -against.sum(axis=1)
-    normal[:, 3:, :3] = normal[:, :3, 3:].swapaxes(1, 2)
-    right = np.concatenate([side.sum(axis=1), -np.einsum("cnji,cnj->ci", against, side)], axis=1)
-    shifts = np.linalg.solve(normal, right[:, :, None])[:, :, 0]
-    return _Candidates(turn, shifts[:, :3], board_turn, shifts[:, 3:])
-
-
-def _rotation_vectors(matrices: FloatArray) -> FloatArray:
-    flat = Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_rotvec()
-    return np.asarray(flat.reshape(*matrices.shape[:-2], 3))
-
-
-def _nearest_rotation(matrices: FloatArray) -> FloatArray:
-    """Return the rotations nearest to matrices, shape (C, 3, 3)."""
-    left, _, right = np.linalg.svd(matrices)
-    left[:, :, 2] *= np.sign(np.linalg.det(left @ right))[:, None]
-    return np.asarray(left @ right)
-
-
-def _misses(tried: _Candidates, first: Numbered, second: Numbered) -> FloatArray:
+def _misses(tried: Candidates, first: Numbered, second: Numbered) -> FloatArray:
     """Return by how much showings contradict candidates, mm, shape (C, N, M1, M2)."""
     forth = tried.turn[:, None, None] @ first.rotation
     back = second.rotation @ tried.board_turn[:, None, None]
@@ -273,12 +158,12 @@ def _misses(tried: _Candidates, first: Numbered, second: Numbered) -> FloatArray
     return np.asarray(np.where(allowed, shifted + _LEVER_MM * turned + later, np.inf))
 
 
-def _least_misses(tried: _Candidates, first: Numbered, second: Numbered) -> FloatArray:
+def _least_misses(tried: Candidates, first: Numbered, second: Numbered) -> FloatArray:
     """Return by how much showings contradict candidates in their best numbering, shape (C, N)."""
     return np.asarray(_misses(tried, first, second).min(axis=(2, 3)))
 
 
-def _rivalled(tried: _Candidates, misses_mm: FloatArray, found: Agreement) -> bool:
+def _rivalled(tried: Candidates, misses_mm: FloatArray, found: Agreement) -> bool:
     """Tell whether cameras that stand otherwise find as many showings to agree."""
     trace = np.einsum("cij,ij->c", tried.turn, found.cameras.rotation)
     otherwise = (trace - 1.0) / 2.0 < np.cos(_OTHERWISE_RAD)
@@ -286,16 +171,16 @@ def _rivalled(tried: _Candidates, misses_mm: FloatArray, found: Agreement) -> bo
     return bool((otherwise & (agreeing >= found.agreeing.sum())).any())
 
 
-def _best(tried: _Candidates, misses_mm: FloatArray) -> _Candidates:
+def _best(tried: Candidates, misses_mm: FloatArray) -> Candidates:
     """Return the candidate with the smallest sum of misses, none counted for more than the most."""
     best = int(np.argmin(np.minimum(misses_mm, _MOST_MISS_MM).sum(axis=1)))
     pick = slice(best, best + 1)
-    return _Candidates(
+    return Candidates(
         tried.turn[pick], tried.shift[pick], tried.board_turn[pick], tried.board_shift[pick]
     )
 
 
-def _judged(answer: _Candidates, first: Numbered, second: Numbered) -> Agreement:
+def _judged(answer: Candidates, first: Numbered, second: Numbered) -> Agreement:
     misses = _misses(answer, first, second)[0]
     choice = misses.reshape(len(misses), -1).argmin(axis=1)
     miss = misses.min(axis=(1, 2))

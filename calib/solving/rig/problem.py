@@ -10,6 +10,7 @@ from calib.lens import normalised_of
 from calib.sensor import LaserSensor
 from calib.solving.observations import Observations
 from calib.solving.rig.seen import SeenView
+from calib.solving.rig.sheets import points_on_sheets
 from calib.solving.rig.start import RigStart
 from calib.solving.rig.turned import turned_view
 from calib.solving.rig.unknowns import Poses, RigLayout, RigState, SensorPrior
@@ -39,8 +40,9 @@ class Channel:
         Shape (N,), which of all boards' dots each one is.
     rays
         Normalised coordinates of the stripe points by the sensor as calibrated.
-    stripe_in
-        Of the stripe points, those of stripes long enough to be a line.
+    stripe_in, on_sheet
+        Of the stripe points, those of stripes long enough to be a line; and those of them that lie
+        on a line in the plane of most others, with which a solve begins.
     """
 
     sensor: int
@@ -51,6 +53,7 @@ class Channel:
     dot: IntArray
     rays: FloatArray
     stripe_in: BoolArray
+    on_sheet: BoolArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,12 +105,14 @@ class Given:
         showings = tuple(dict.fromkeys(view.showing for view in views))
         counts = [len(self.boards[name].points_mm) for name in boards]
         first_dot = np.cumsum([0, *counts])
+        on_sheet = points_on_sheets(views)
         channels = [
             self._channel(
                 [view for view in views if (view.sensor, view.board) == (sensor, board)],
                 (sensors.index(sensor), boards.index(board)),
                 showings,
                 int(first_dot[boards.index(board)]),
+                on_sheet,
             )
             for sensor, board in sorted({(view.sensor, view.board) for view in views})
         ]
@@ -135,6 +140,7 @@ class Given:
         at: tuple[int, int],
         showings: tuple[str, ...],
         first_dot: int,
+        on_sheet: Mapping[tuple[str, str], BoolArray],
     ) -> Channel:
         target, sensor = self.boards[seen[0].board], self.sensors[seen[0].sensor]
         views = tuple(turned_view(each.view, target, each.quarters) for each in seen)
@@ -150,7 +156,14 @@ class Given:
             dot=np.concatenate(points) + first_dot,
             rays=normalised_of(observations.stripe.seen_px, sensor.camera.parameters),
             stripe_in=long_enough[observations.stripe.view],
+            on_sheet=np.concatenate([
+                on_sheet.get((each.showing, each.sensor), _none(each.view)) for each in seen
+            ]),
         )
+
+
+def _none(view: View) -> BoolArray:
+    return np.zeros(0 if view.stripe is None else len(view.stripe), dtype=bool)
 
 
 def first_state(problem: RigProblem, start: RigStart) -> RigState:

@@ -10,7 +10,7 @@ from calib.errors import Degenerate
 from calib.rig import Rig
 from calib.solving.rig.answer import RigReach
 from calib.solving.rig.problem import RigProblem
-from calib.solving.rig.start import axis_text
+from calib.solving.rig.turn_axes import axis_text
 
 # One standard deviation along the worst direction: above the first the answer says so, above the
 # second there is none.

@@ -10,7 +10,13 @@ from calib.sensor import LaserSensor
 from calib.solving.prepared import solve_dots
 from calib.solving.rig.showing import RigShowing
 from calib.solving.rival_stripes import exchanged
-from calib.solving.start import LEAST_STRIPE_POINTS, has_stripe, stripe_line, usable_views
+from calib.solving.start import (
+    LEAST_STRIPE_POINTS,
+    StripeLine,
+    has_stripe,
+    stripe_line,
+    usable_views,
+)
 from calib.target import Target
 from calib.views import View
 
@@ -30,6 +36,8 @@ class SeenView:
         What was seen; its stripe is, of several lines, the one nearest to the known sheet.
     cam_from_board
         By its own dots, numbered as they came.
+    line
+        That of its stripe in space, None without one.
     sigma_mm, sigma_rad
         How well that pose is known: its place and its turn, along the worst axis.
     quarters
@@ -41,6 +49,7 @@ class SeenView:
     board: str
     view: View
     cam_from_board: RigidTransform
+    line: StripeLine | None
     sigma_mm: float
     sigma_rad: float
     quarters: int = 0
@@ -88,18 +97,26 @@ def _posed(
             failed[showing, name] = f"only {count} of {len(view.points)} target points fit {board}"
             continue
         pose, covariance = solution.estimate.poses[index], solution.covariance.views[index]
+        chosen = _with_nearest_stripe(view, sensor, pose)
         seen.append(
             SeenView(
                 showing=showing,
                 sensor=name,
                 board=board,
-                view=_with_nearest_stripe(view, sensor, pose),
+                view=chosen,
                 cam_from_board=pose,
+                line=_line(chosen, sensor, pose),
                 sigma_mm=float(np.sqrt(np.linalg.eigvalsh(covariance[3:, 3:])[-1])),
                 sigma_rad=float(np.sqrt(np.linalg.eigvalsh(covariance[:3, :3])[-1])),
             )
         )
     return seen, failed
+
+
+def _line(view: View, sensor: LaserSensor, pose: RigidTransform) -> StripeLine | None:
+    if view.stripe is None or not has_stripe(view):
+        return None
+    return stripe_line(view.stripe, sensor.camera, pose)
 
 
 def _with_nearest_stripe(view: View, sensor: LaserSensor, pose: RigidTransform) -> View:

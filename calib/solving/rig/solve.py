@@ -65,7 +65,9 @@ def solve_rig(problem: RigProblem, start: RigState) -> RigSolution:
         if decrement <= _ARRIVED**2 and not moving:
             if runs_counted:
                 return RigSolution(place, belief, total.covariance(), total.cost, iteration)
-            # Once, at the end: a run at the edge of significance would come and go.
+            # Once, at the end: a run at the edge of significance would come and go. The scales are
+            # held from then on: runs that are the misfit of a bent sensor would let them grow until
+            # its stripes are all scatter, and its prior is all that is left.
             belief, runs_counted = belief.with_runs_at(problem, place), True
             continue
         trial = RigPlace.at(problem, problem.layout.moved(place.state, step, dot_steps))
@@ -73,7 +75,8 @@ def solve_rig(problem: RigProblem, start: RigState) -> RigSolution:
         # Near the end the cost cannot fall by more than its own rounding.
         if fall >= -1e-12 * (1.0 + total.cost):
             place, before = trial, belief
-            renew = belief.held_at if iteration > _SETTLING else belief.settled_at
+            held = runs_counted or iteration > _SETTLING
+            renew = belief.held_at if held else belief.settled_at
             belief = renew(problem, place)
             moving = belief.differs_from(before)
             damping, raising = eased(damping, fall, decrement), _FIRST_RAISING

@@ -6,35 +6,28 @@ other, each by the showings that two cameras took part in.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 
-from calib.arrays import FloatArray, IntArray
+from calib.arrays import IntArray
 from calib.errors import CalibError, Degenerate, TooFewViews
 from calib.rigid import RigidTransform
+from calib.solving.rig.closed_form import FEWEST_SHOWINGS, Numbered
 from calib.solving.rig.hand_eye import (
-    FEWEST_SHOWINGS,
     Agreement,
-    Numbered,
     agree_on_boards,
     agree_on_both,
     agree_on_cameras,
     judge,
-    turns_between,
 )
+from calib.solving.rig.links import Link, links_of, names_of, require_shared
 from calib.solving.rig.seen import SeenView
+from calib.solving.rig.turn_axes import require_turns
 from calib.solving.rig.turned import board_from_middle, board_from_turned, numberings
 from calib.target import Target
 
-# Turns smaller than this, or than so many times what noise makes of none, are none.
-_LEAST_TURN_RAD = 0.01
-_TURN_OVER_NOISE = 5.0
 # Where more than this part of the showings contradict, none is to be believed.
 _MOST_CONTRADICTING = 0.5
-
-Channel = tuple[str, str]
-"""A sensor and the board that it sees."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,15 +59,6 @@ class RigStart:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class _Link:
-    """Two channels, with the showings in which both took part: indices into the views."""
-
-    first: Channel
-    second: Channel
-    pairs: tuple[tuple[int, int], ...]
-
-
 def start_rig(views: Sequence[SeenView], boards: Mapping[str, Target], anchor: str) -> RigStart:
     """Find where cameras, boards and targets stand, and in which numbering each board was seen.
 
@@ -100,11 +84,11 @@ class _Joining:
     def __init__(
         self, views: list[SeenView], boards: Mapping[str, Target], anchor: str, first: str
     ) -> None:
-        self._views, self._targets = views, boards
+        self._views, self._targets, self._anchor = views, boards, anchor
         self._settled: dict[int, int] = {}
         self._cameras = {anchor: RigidTransform.identity()}  # cam_from_rig
         self._boards = {first: RigidTransform.identity()}  # target from the middle of a board
-        self._links = _links(views)
+        self._links = links_of(views)
 
     def join_all(self) -> None:
         """Join every sensor and board that was seen."""
@@ -128,20 +112,20 @@ class _Joining:
     def _names(self) -> str:
         return ", ".join(repr(name) for name in self._cameras)
 
-    def _joins(self, link: _Link) -> bool:
+    def _joins(self, link: Link) -> bool:
         """Tell whether a link leads from what is joined to what is not."""
         known = link.first[0] in self._cameras
         board = link.first[1] in self._boards or link.second[1] in self._boards
         return known and board and self._unknowns(link) > 0
 
-    def _unknowns(self, link: _Link) -> int:
+    def _unknowns(self, link: Link) -> int:
         boards = {link.first[1], link.second[1]}
         return (link.second[0] not in self._cameras) + len(boards - self._boards.keys())
 
-    def _cost(self, link: _Link) -> tuple[int, int]:
+    def _cost(self, link: Link) -> tuple[int, int]:
         return self._unknowns(link), -len(link.pairs)
 
-    def _join_by_first(self, links: Sequence[_Link]) -> None:
+    def _join_by_first(self, links: Sequence[Link]) -> None:
         """Join by the first link that can; the refusal of the first is told where none can."""
         refusals: list[CalibError] = []
         for link in links:
@@ -153,7 +137,7 @@ class _Joining:
                 return
         raise refusals[0]
 
-    def _join(self, link: _Link) -> None:
+    def _join(self, link: Link) -> None:
         (one, one_board), (other, other_board) = link.first, link.second
         first, second = self._numbered(link)
         boards = self._between_boards(link)
@@ -162,11 +146,11 @@ class _Joining:
         elif other in self._cameras:
             agreement = agree_on_boards(first, second, self._between_cameras(link))
         else:
-            _require_turns(link, first, self._views)
+            require_turns(link, first, self._views)
             found = agree_on_both(first, second)
             agreement = _required(found, link)
             kept = np.flatnonzero(agreement.agreeing).astype(np.int64)
-            _require_turns(link, _only(first, kept, agreement.numbering[kept, 0]), self._views)
+            require_turns(link, _only(first, kept, agreement.numbering[kept, 0]), self._views)
         if other not in self._cameras:
             self._cameras[other] = agreement.cameras @ self._cameras[one]
         if other_board not in self._boards:
@@ -175,7 +159,7 @@ class _Joining:
             self._boards[one_board] = self._boards[other_board] @ agreement.boards
         self._settle(link, agreement)
 
-    def _between_boards(self, link: _Link) -> RigidTransform | None:
+    def _between_boards(self, link: Link) -> RigidTransform | None:
         """Return the second board from the first, None where one is not joined."""
         one, other = link.first[1], link.second[1]
         if one == other:
@@ -184,10 +168,10 @@ class _Joining:
             return None
         return self._boards[other].inverse() @ self._boards[one]
 
-    def _between_cameras(self, link: _Link) -> RigidTransform:
+    def _between_cameras(self, link: Link) -> RigidTransform:
         return self._cameras[link.second[0]] @ self._cameras[link.first[0]].inverse()
 
-    def _numbered(self, link: _Link) -> tuple[Numbered, Numbered]:
+    def _numbered(self, link: Link) -> tuple[Numbered, Numbered]:
         same = link.first[1] == link.second[1]
         return (
             self._poses([one for one, _ in link.pairs], first_only=same),
@@ -222,7 +206,7 @@ class _Joining:
         turned = board_from_turned(target, quarters)
         return view.cam_from_board @ turned.inverse() @ board_from_middle(target)
 
-    def _settle(self, link: _Link, agreement: Agreement) -> None:
+    def _settle(self, link: Link, agreement: Agreement) -> None:
         for place in np.flatnonzero(agreement.agreeing):
             for row, choice in zip(link.pairs[place], agreement.numbering[place], strict=True):
                 quarters = numberings(self._targets[self._views[row].board])
@@ -245,6 +229,7 @@ class _Joining:
                     misses[self._views[row].showing] = float(miss)
         require_agreement(len(misses), len({view.showing for view in self._views}))
         kept = [row for row, view in enumerate(self._views) if view.showing not in misses]
+        require_shared([self._views[row] for row in kept], list(self._cameras), self._anchor)
         return RigStart(
             rig_from_camera={name: each.inverse() for name, each in self._cameras.items()},
             target_from_board={
@@ -275,17 +260,6 @@ def contradiction(miss_mm: float) -> str:
     )
 
 
-def _links(views: Sequence[SeenView]) -> list[_Link]:
-    """Return all pairs of channels of different sensors, both ways round."""
-    pairs: dict[tuple[Channel, Channel], list[tuple[int, int]]] = {}
-    for one, other in combinations(range(len(views)), 2):
-        if views[one].showing == views[other].showing:
-            a, b = ((views[row].sensor, views[row].board) for row in (one, other))
-            pairs.setdefault((a, b), []).append((one, other))
-            pairs.setdefault((b, a), []).append((other, one))
-    return [_Link(a, b, tuple(rows)) for (a, b), rows in sorted(pairs.items())]
-
-
 def _only(poses: Numbered, rows: IntArray, numbering: IntArray) -> Numbered:
     return Numbered(
         poses.rotation[rows, numbering][:, None],
@@ -294,67 +268,24 @@ def _only(poses: Numbered, rows: IntArray, numbering: IntArray) -> Numbered:
     )
 
 
-def _unrivalled(found: Agreement, link: _Link) -> Agreement:
+def _unrivalled(found: Agreement, link: Link) -> Agreement:
     """Refuse showings that agree as well on cameras that stand otherwise."""
     if not found.rivalled:
         return found
     raise Degenerate(
-        f"{len(link.pairs)} showings to {_names(link)} leave open from which corner each camera "
+        f"{len(link.pairs)} showings to {names_of(link)} leave open from which corner each camera "
         "numbered its board, and so how they stand; show the target tilted otherwise as well"
     )
 
 
-def _required(found: Agreement | None, link: _Link) -> Agreement:
+def _required(found: Agreement | None, link: Link) -> Agreement:
     if found is not None and found.agreeing.sum() >= FEWEST_SHOWINGS:
         return _unrivalled(found, link)
     raise Degenerate(
-        f"no {FEWEST_SHOWINGS} of {len(link.pairs)} showings of {_names(link)} agree on how the "
+        f"no {FEWEST_SHOWINGS} of {len(link.pairs)} showings of {names_of(link)} agree on how the "
         "cameras stand; keep the target still while all cameras take their picture, and check "
         "that both boards are fixed to each other"
     )
-
-
-def _names(link: _Link) -> str:
-    return f"{link.first[0]!r} and {link.second[0]!r}"
-
-
-def _require_turns(link: _Link, first: Numbered, views: Sequence[SeenView]) -> None:
-    """Refuse showings between which a target of two boards was not turned about two axes.
-
-    Its boards' mutual pose is not known: only what turns moves the one camera's board otherwise
-    than the other's. Of a target that is only shifted, the shift between the cameras is open along
-    all axes; of one turned about one axis alone, along this.
-    """
-    count = len(first.rotation)
-    if count < FEWEST_SHOWINGS:
-        raise TooFewViews(
-            f"{count} showings to {_names(link)} together, of two boards; at least "
-            f"{FEWEST_SHOWINGS} are needed, the target turned otherwise in each"
-        )
-    turns = turns_between(first)
-    _, values, axes = np.linalg.svd(turns, full_matrices=False)
-    spread = values / np.sqrt(len(turns))
-    noise = float(np.median([views[row].sigma_rad for row, _ in link.pairs]))
-    least = max(_LEAST_TURN_RAD, _TURN_OVER_NOISE * noise)
-    if not spread[0] > least:
-        raise Degenerate(
-            f"the target was shifted but not turned between the showings to {_names(link)} "
-            f"({np.degrees(spread[0]):.2g} degrees): the shift between the two cameras is open "
-            "along every axis; turn the target by 20 degrees and more, about two axes"
-        )
-    if not spread[1] > least:
-        raise Degenerate(
-            f"between the showings to {_names(link)} the target was turned about one axis alone, "
-            f"{axis_text(axes[0])} in the frame of camera {link.first[0]!r}: the shift between the "
-            "two cameras along this axis is open; turn the target about another axis as well, by "
-            "20 degrees and more"
-        )
-
-
-def axis_text(axis: FloatArray) -> str:
-    """Return a direction in words: its components, the largest one positive."""
-    axis = axis * np.sign(axis[np.argmax(np.abs(axis))])
-    return f"({axis[0]:.2f}, {axis[1]:.2f}, {axis[2]:.2f})"
 
 
 def require_agreement(contradicting: int, showings: int) -> None:

@@ -3,16 +3,35 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy.stats import chi2
 
 from calib.solving.rig.answer import SensorFit, SolvedBoard
 from calib.solving.rig.doubts import Doubts
+from calib.solving.rig.problem import RigProblem
+from calib.solving.rig.solve import RigSolution
 
 # A scatter this many times the predicted one is worth telling.
 _SCALE_WORTH_TELLING = 2.0
+# A true calibration is contradicted so often.
+_CALIBRATION_CHANCE = 1e-6
 # As are showings that contradict each other so many times, in squares, what the scatter makes.
 _DOUBT_WORTH_TELLING = 4.0
 # As is a board whose points are so many times farther off than told.
 _BOARD_WORTH_TELLING = 1.5
+
+
+def calibration_warnings(problem: RigProblem, solution: RigSolution) -> tuple[str, ...]:
+    """Tell of sensors that are no longer as their own calibrations found them.
+
+    Their own parameters are counted in prior standard deviations, so the sum of their squares is
+    a chi square of no more than as many degrees of freedom.
+    """
+    return tuple(
+        f"the pictures contradict the calibration of {name!r}, by "
+        f"{np.sqrt(own @ own / len(own)):.2g} of its standard deviations; calibrate it anew"
+        for name, own in zip(problem.sensors, solution.place.state.own, strict=True)
+        if len(own) and own @ own > chi2.isf(_CALIBRATION_CHANCE, len(own))
+    )
 
 
 def doubt_warnings(doubts: Doubts) -> tuple[str, ...]:
@@ -42,9 +61,9 @@ def fit_warnings(fits: Mapping[str, SensorFit]) -> tuple[str, ...]:
         for name, kind, scale in scales
         if scale > _SCALE_WORTH_TELLING
     ) + tuple(
-        f"no stripe of {name!r} was seen: its sheet is as its own calibration left it"
+        f"no stripe of {name!r} was seen or believed: its sheet is as its own calibration left it"
         for name, fit in fits.items()
-        if fit.sigma_scale_stripe == 0.0
+        if fit.rms_stripe_px == 0.0
     )
 
 

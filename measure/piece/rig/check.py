@@ -67,7 +67,8 @@ def judge_piece_on_rig(
     Dimensions that no motion of the piece changes, and their variance, are then those of
     `judge_piece`, with the covariance of the whole rig. Where sheets stand l apart, a slant that
     is known to :math:`\sigma` shifts one sensor's section by :math:`l \sigma`: sheets that lie
-    close together, or a holder that keeps the length well, tell most. Of a shift along the piece's length a prism says nothing.
+    close together, or a holder that keeps the length well, tell most. Of a shift along the piece's
+    length a prism says nothing.
     """
     for name, shot in shots:
         unknown = sorted(set(shot) - set(rig.names))

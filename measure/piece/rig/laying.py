@@ -12,7 +12,7 @@ from measure.piece.kept import inside, unbent
 from measure.piece.laid import LaidPoints, usual
 from measure.piece.match import GATE_MM, MIN_POINTS, gate_mm, matched
 from measure.piece.noise import scatter_of
-from measure.piece.rig.contact import Contact, section_of, touch
+from measure.piece.rig.contact import Contact, Touch, section_of, touch
 from measure.piece.rig.prisms import Placing, fit_prisms
 from measure.piece.rig.sighting import Sighting, first_placing, given_sides, sight
 
@@ -158,48 +158,40 @@ def points_fit(
 
 def _laid(placing: Placing, fits: Sequence[Fit], rig: Rig, piece: Piece) -> LaidOnRig:
     """Describe the points of all sensors: where they lie, and what may move them."""
+    cameras = [rig.sensors[fit.contact.sensor].rig_from_camera for fit in fits]
     lies = [
-        touch(
-            fit.contact,
-            rig.sensors[fit.contact.sensor].rig_from_camera,
-            placing.rig_from_piece,
-            piece,
-        )
-        for fit in fits
+        touch(fit.contact, camera, placing.rig_from_piece, piece)
+        for fit, camera in zip(fits, cameras, strict=True)
     ]
-    length = np.concatenate([one.length_mm for one in lies])
+    out_in_cam = [
+        lie.normal_in_rig @ camera.rotation for lie, camera in zip(lies, cameras, strict=True)
+    ]
+    seen = list(zip(fits, lies, out_in_cam, strict=True))
+    length = np.concatenate([lie.length_mm for lie in lies])
     middle = np.array([0.0, float(length.mean()), 0.0])
-    by_rig = []
-    for fit, lie in zip(fits, lies, strict=True):
-        each = rig.sensors[fit.contact.sensor]
-        out_in_cam = lie.normal_in_rig @ each.rig_from_camera.rotation
-        motion = np.zeros((len(lie.outside_mm), len(rig.covariance)))
-        motion[:, rig.columns(each.name)] = np.column_stack([
-            np.einsum("ni,nik->nk", out_in_cam, fit.sheet.by_sensor),
-            lie.by_rig,
-        ])
-        by_rig.append(motion)
-    out = [
-        one.normal_in_rig @ rig.sensors[fit.contact.sensor].rig_from_camera.rotation
-        for one, fit in zip(lies, fits, strict=True)
-    ]
     return LaidOnRig(
         piece=piece,
-        sensor=np.concatenate([
-            np.full(len(fit.along_mm), fit.contact.sensor, dtype=np.int64) for fit in fits
-        ]),
+        sensor=np.concatenate([np.full(len(fit.along_mm), fit.contact.sensor) for fit in fits]),
         rig_from_piece=placing.rig_from_piece @ RigidTransform(np.eye(3), middle),
         face=np.concatenate([fit.contact.face for fit in fits]),
         along_mm=np.concatenate([fit.along_mm for fit in fits]),
-        outside_mm=np.concatenate([one.outside_mm for one in lies]),
-        points_mm=np.concatenate([one.section_mm for one in lies]),
-        normal=np.concatenate([one.normal for one in lies]),
+        outside_mm=np.concatenate([lie.outside_mm for lie in lies]),
+        points_mm=np.concatenate([lie.section_mm for lie in lies]),
+        normal=np.concatenate([lie.normal for lie in lies]),
         length_mm=length - middle[1],
         sigma_mm=np.concatenate([1.0 / fit.contact.weight for fit in fits]),
-        by_sensor_mm=np.concatenate(by_rig),
-        bend_mm=np.concatenate([
-            (fit.sheet.bend_mm * one).sum(axis=1) for fit, one in zip(fits, out, strict=True)
-        ]),
+        by_sensor_mm=np.concatenate([_by_rig(*each, rig) for each in seen]),
+        bend_mm=np.concatenate([(fit.sheet.bend_mm * out).sum(axis=1) for fit, _, out in seen]),
         slant_rad=placing.slant_rad,
         slant_sigma_rad=placing.slant_sigma_rad,
     )
+
+
+def _by_rig(fit: Fit, lie: Touch, out_in_cam: FloatArray, rig: Rig) -> FloatArray:
+    """Return the points' motion out of the metal by all parameters of the rig, (N, 19 K)."""
+    motion = np.zeros((len(out_in_cam), len(rig.covariance)))
+    motion[:, rig.columns(rig.names[fit.contact.sensor])] = np.column_stack([
+        np.einsum("ni,nik->nk", out_in_cam, fit.sheet.by_sensor),
+        lie.by_rig,
+    ])
+    return motion

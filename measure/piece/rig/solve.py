@@ -41,7 +41,8 @@ def rig_from_piece(
         rig_from_camera of each, in any one frame: to a few centimetres and degrees.
     sigma_start_mm, sigma_start_rad
         How well a survey knows each sensor's place against the anchor, along each axis, and its
-        turn about each. None: not at all; it is where the search starts.
+        turn about each. None: not at all, it is where the search starts; only both together fill
+        what the placings leave open.
     temperature_c
         Of the piece; None counts its warmth as unknown.
 
@@ -94,7 +95,7 @@ def rig_from_piece(
     doubt = doubt_of(
         bundle.flattened(now), calibrated, now, free=free, known=known, stretch_u95=stretch
     )
-    surveyed = sigma_start_mm is not None or sigma_start_rad is not None
+    surveyed = None not in (sigma_start_mm, sigma_start_rad)
     found = Found(names, base, free, first, calibrated, bundle, doubt, now, surveyed)
     found.ensure_told()
     return found.answer(left_out)

@@ -67,6 +67,12 @@ def test_the_profile_tells_which_sensor_saw_which_part(measured):
     assert set(seen) == {(INNER,), (OUTER,), (INNER, OUTER)}
 
 
+def test_a_diameter_that_the_sheets_do_not_tell_is_missing_and_the_row_says_why(measured):
+    for wheel in measured.wheels:
+        assert wheel.diameter.value is None
+        assert "one sheet tells where the axle is" in wheel.quality["diameter"]["reason"]
+
+
 def test_where_one_sensor_missed_the_wheel_the_other_says_what_it_can_and_invents_nothing(measured):
     wheel = measured.wheels[1]
     assert wheel.sensors == (INNER,)
