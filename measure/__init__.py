@@ -9,6 +9,7 @@ from measure.errors import (
     ReferenceUnknown,
 )
 from measure.gauging.levels import EN_15313, GaugeLevels
+from measure.gauging.uncertainty import Budget
 from measure.grouping import each_wheel, group_into_wheels
 from measure.limits import BACK_TO_BACK_TSI, PRESETS, Limit, Limits
 from measure.mounting import Mounting, Survey
@@ -90,6 +91,7 @@ __all__ = [
     "Alarm",
     "Axle",
     "BackToBack",
+    "Budget",
     "Diameter",
     "Difference",
     "GaugeLevels",

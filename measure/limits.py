@@ -58,10 +58,15 @@ class Limit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limits:
-    """The limits in force: a regime's name, and a limit for each quantity that has one."""
+    """The limits in force: a regime's name, and a limit for each quantity that has one.
+
+    `back_to_back` is that of the distance between the flange backs of an axle, no quantity of a
+    wheel; None where the regime has none.
+    """
 
     regime: str
     of: Mapping[Quantity, Limit]
+    back_to_back: Limit | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "of", MappingProxyType(dict(self.of)))
@@ -72,13 +77,13 @@ class Limits:
     def __hash__(self) -> int:
         return hash(self._content)
 
-    def __reduce__(self) -> tuple[type["Limits"], tuple[str, dict[Quantity, Limit]]]:
+    def __reduce__(self) -> tuple[type["Limits"], tuple[str, dict[Quantity, Limit], Limit | None]]:
         # A read-only view of a mapping does not go to another process.
-        return Limits, (self.regime, dict(self.of))
+        return Limits, (self.regime, dict(self.of), self.back_to_back)
 
     @property
-    def _content(self) -> tuple[str, frozenset[tuple[Quantity, Limit]]]:
-        return self.regime, frozenset(self.of.items())
+    def _content(self) -> tuple[str, frozenset[tuple[Quantity, Limit]], Limit | None]:
+        return self.regime, frozenset(self.of.items()), self.back_to_back
 
     @classmethod
     def default(cls) -> "Limits":
@@ -91,6 +96,12 @@ class Limits:
         if limit is None:
             return Alarm.NONE
         return limit.judge(value_mm, u95_mm, grows=quantity.grows_with_wear)
+
+    def judge_back_to_back(self, value_mm: float, u95_mm: float) -> Alarm:
+        """Judge the distance between the flange backs of an axle."""
+        if self.back_to_back is None:
+            return Alarm.NONE
+        return self.back_to_back.judge(value_mm, u95_mm, grows=True)
 
 
 # The in-service limits of the TSI for locomotives and passenger vehicles, wheels over 840 mm in
@@ -119,8 +130,8 @@ BACK_TO_BACK_TSI = Limit(1357.0, 1363.0, warn_within_mm=0.0)
 (of 760 to 840 mm: from 1358; below: from 1359). Wear does not change it: no end is the worn one."""
 
 PRESETS: Mapping[str, Limits] = MappingProxyType({
-    "practice": Limits("practice", _PRACTICE),
-    "tsi": Limits("tsi", _TSI),
+    "practice": Limits("practice", _PRACTICE, BACK_TO_BACK_TSI),
+    "tsi": Limits("tsi", _TSI, BACK_TO_BACK_TSI),
     "china_freight": Limits("china_freight", _CHINA_FREIGHT),
 })
 """Regimes by name. Each is to be confirmed by the regulations its user is under."""

@@ -12,14 +12,11 @@ import time
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from station.capture.ring import Ring
 from station.errors import RecordingError, StationError
-from station.recording import Event, EventKind, RotatingWriter, Rotation
-
-if TYPE_CHECKING:  # importing `calib` would make a new recorder late by half a second
-    from calib import CameraModel
+from station.recording import CameraNumbers, Event, EventKind, RotatingWriter, Rotation
 
 CALIBRATION = "calibration.json"
 
@@ -94,7 +91,7 @@ class Recorder:
             rotation=Rotation(**order["rotation"]),
             metadata=order["metadata"],
             attachments=attachments,
-            camera=None if document is None else partial(_camera_in, document),
+            camera=None if document is None else partial(CameraNumbers.of_calibration, document),
             reserve_bytes=order["reserve_bytes"],
             resume=order["resume"],
         )
@@ -117,12 +114,6 @@ class Recorder:
             )
             self._writer.write_event(event)
         self._writer.finish()
-
-
-def _camera_in(document: bytes) -> "CameraModel":
-    from station.documents import CalibrationDocument  # noqa: PLC0415  costs 0.2 s, seldom used
-
-    return CalibrationDocument.model_validate_json(document).camera.model()
 
 
 def main(link_descriptor: int, ring_descriptor: int, picture_bytes: int) -> None:

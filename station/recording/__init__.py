@@ -2,6 +2,7 @@
 
 from station.recording.activefile import ACTIVE, active_path
 from station.recording.blocks import FrameBlock, frame_blocks
+from station.recording.camera_numbers import CameraNumbers
 from station.recording.compaction import CompactReport, compact, is_compact
 from station.recording.events import LOSSES, Event, EventKind
 from station.recording.frame_ids import id_after, ids_skipped
@@ -16,6 +17,7 @@ from station.recording.writer import RecordingSummary, RecordingWriter
 __all__ = [
     "ACTIVE",
     "LOSSES",
+    "CameraNumbers",
     "CompactReport",
     "Event",
     "EventKind",

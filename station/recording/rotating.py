@@ -12,10 +12,10 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from station.errors import InputUnusable, RecordingError, StationError
 from station.recording.activefile import active_path
+from station.recording.camera_numbers import Camera
 from station.recording.events import Event, EventKind
 from station.recording.info import info
 from station.recording.parts import (
@@ -29,9 +29,6 @@ from station.recording.parts import (
 )
 from station.recording.reader import events
 from station.recording.writer import RecordingSummary, RecordingWriter
-
-if TYPE_CHECKING:  # importing `calib` would make a new recorder late by half a second
-    from calib import CameraModel
 
 _RETRY_S = 10.0
 """After a next file could not be begun."""
@@ -103,7 +100,7 @@ class RotatingWriter:
         rotation: Rotation,
         metadata: Mapping[str, Mapping[str, str]] | None = None,
         attachments: Mapping[str, bytes] | None = None,
-        camera: "Callable[[], CameraModel] | None" = None,
+        camera: Callable[[], Camera] | None = None,
         reserve_bytes: int = 0,
         resume: bool = False,
         now_ns: Callable[[], int] = time.time_ns,

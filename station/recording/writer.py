@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
 from mcap.records import Attachment, Channel, Metadata, Schema
@@ -14,12 +14,10 @@ from mcap.records import Attachment, Channel, Metadata, Schema
 from station.errors import DiskFull, RecordingError
 from station.recording.activefile import ActiveFile, active_path
 from station.recording.appender import Buffer, McapAppender, Message
+from station.recording.camera_numbers import Camera
 from station.recording.events import Event, EventKind
 from station.recording.rawimage import raw_image_around
 from station.recording.topics import Topic, channels_of, message_encoding, schema_of, topic_name
-
-if TYPE_CHECKING:  # importing `calib` would make a new recorder late by half a second
-    from calib import CameraModel
 
 LIBRARY = "treadline"
 _MEDIA_TYPES = {".json": "application/json", ".csv": "text/csv"}
@@ -128,7 +126,7 @@ class RecordingWriter:
         """Append an event."""
         self._write(sensor, Topic.EVENTS, 0, event.time_ns, event.time_ns, (event.message(),))
 
-    def write_calibration(self, sensor: str, camera: "CameraModel") -> None:
+    def write_calibration(self, sensor: str, camera: Camera) -> None:
         """Append the camera model in force."""
         now = self._now_ns()
         body = _camera_message(sensor, camera, now)
@@ -283,15 +281,15 @@ class RecordingWriter:
         }
 
 
-def _camera_message(sensor: str, camera: "CameraModel", now_ns: int) -> bytes:
+def _camera_message(sensor: str, camera: Camera, now_ns: int) -> bytes:
     """Return a foxglove.CameraCalibration: OpenCV's K and D, no rectification."""
     message = CameraCalibration(
         frame_id=sensor,
         width=camera.width,
         height=camera.height,
         distortion_model="plumb_bob",
-        D=camera.distortion.tolist(),
-        K=camera.matrix.ravel().tolist(),
+        D=[camera.k1, camera.k2, camera.p1, camera.p2, camera.k3],
+        K=[camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0],
         R=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
         P=[camera.fx, 0.0, camera.cx, 0.0, 0.0, camera.fy, camera.cy, 0.0, 0.0, 0.0, 1.0, 0.0],
     )
