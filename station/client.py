@@ -63,8 +63,14 @@ class StationClient:
         return self._call("POST", f"/v1/passes/{_part(pass_id)}/finish", body)
 
     def wheels(self, pass_id: str) -> list[Answer]:
-        """Return the measured wheels of a pass."""
-        wheels: list[Answer] = self._call("GET", f"/v1/passes/{_part(pass_id)}/wheels")["wheels"]
+        """Return the measured wheels of a pass, with their profiles."""
+        wheels: list[Answer] = []
+        of_pass = f"/v1/measurements?profiles=true&pass={_part(pass_id)}"
+        after: int | None = 0
+        while after is not None:
+            page = self._call("GET", f"{of_pass}&after={after}")
+            wheels += page["measurements"]
+            after = page["next"]
         return wheels
 
     def await_pass(self, pass_id: str, *, timeout_s: float) -> Answer:
@@ -104,6 +110,17 @@ class StationClient:
         ordered = self._call("POST", "/v1/rig-calibrations", body)
         self._await(f"/v1/jobs/{_part(ordered['job'])}", timeout_s)
         return self._call("GET", f"/v1/rig-calibrations/{_part(ordered['id'])}")
+
+    def calibrated_sensors(self) -> list[str]:
+        """Return the sensors that have a calibration in force."""
+        sensors = self._call("GET", "/v1/station")["sensors"]
+        return [each["id"] for each in sensors if each["active_calibration"]]
+
+    def recalibrate(self, *, sensor: str, timeout_s: float) -> Answer:
+        """Have a sensor recalibrated as its schedule would, wait, and return what came of it."""
+        ordered = self._call("POST", "/v1/recalibrations", {"sensor": sensor})
+        self._await(f"/v1/jobs/{_part(ordered['job'])}", timeout_s)
+        return self._call("GET", f"/v1/recalibrations/{_part(ordered['id'])}")
 
     def calibration_points(self, calibration_id: str) -> str:
         """Return points.csv of a calibration."""

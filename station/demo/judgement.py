@@ -100,13 +100,11 @@ def judge_plane(truth: SensorTruth, document: CalibrationDocument) -> PlaneJudge
 
 def judge_rig(truth: RigTruth, document: RigDocument) -> RigJudgement:
     """Hold a rig against the true one, over the fields at working distance."""
-    rig = document.to_rig()
-    solved, true = [], []
-    for sensor in truth.sensors:
-        field_px = working_field_px(sensor.sensor)
-        solved.append(rig[sensor.id].locate(field_px))
-        true.append(sensor.rig_from_camera.apply(sensor.sensor.locate(field_px)))
-    left_mm = _moved_onto(np.concatenate(solved), np.concatenate(true)) - np.concatenate(true)
+    rig, exact = document.to_rig(), truth.exact
+    fields_px = {each.name: working_field_px(each.sensor) for each in exact.sensors}
+    solved = np.concatenate([rig[name].locate(pixels) for name, pixels in fields_px.items()])
+    true = np.concatenate([exact[name].locate(pixels) for name, pixels in fields_px.items()])
+    left_mm = _moved_onto(solved, true) - true
     return RigJudgement(
         rig=truth.id,
         places_rms_mm=root_mean_square(np.linalg.norm(left_mm, axis=1)),

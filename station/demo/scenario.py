@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import LaserSensor, Picture, RigidTransform, Target
+from calib import LaserSensor, Picture, Rig, RigidTransform, RigSensor, Target
 from measure import Side
 from station.scenes import (
     Light,
@@ -69,6 +69,12 @@ class RigTruth:
     side: Side
     sensors: tuple[SensorTruth, ...]
     wheels: tuple[WheelTruth, ...]
+
+    @property
+    def exact(self) -> Rig:
+        """The rig as a calibration without any error would find it."""
+        placed = [RigSensor(each.id, each.sensor, each.rig_from_camera) for each in self.sensors]
+        return WheelRig(tuple(placed)).exact
 
     @property
     def anchor(self) -> SensorTruth:

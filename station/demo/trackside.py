@@ -66,7 +66,7 @@ def station_of(scenario: Scenario, folder: Path) -> Generator[RunningStation]:
     """Run `station serve` for the sensors of the scenario; its log goes to ``station.log``."""
     port = _free_port()
     config = folder / "station.toml"
-    config.write_text(_settings_toml(scenario, folder, port), encoding="utf-8")
+    config.write_text(settings_toml(scenario, folder, port), encoding="utf-8")
     key = secrets.token_urlsafe(32)
     log = (folder / "station.log").open("wb")
     with log:
@@ -123,7 +123,8 @@ def _free_port() -> int:
         return port
 
 
-def _settings_toml(scenario: Scenario, folder: Path, port: int) -> str:
+def settings_toml(scenario: Scenario, folder: Path, port: int) -> str:
+    """Return station.toml for the sensors and rigs of the scenario."""
     lines = [
         'name = "demo"',
         f'data_dir = "{folder}"',

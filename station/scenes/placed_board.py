@@ -7,6 +7,8 @@ import numpy as np
 from calib import FloatArray, RigidTransform, Target
 from station.scenes.board import checked_shifts, outline_mm
 
+_LEAST_SINE = 0.1
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlacedBoard:
@@ -50,6 +52,16 @@ class PlacedBoard:
         """All of it lies before the camera, its points on the side that the camera sees."""
         facing = float(self.cam_from_board.rotation[:, 2] @ self.cam_from_board.translation_mm)
         return bool(self.corners_in_cam_mm[:, 2].min() > 0.0 and facing > 0.0)
+
+    @property
+    def is_edge_on(self) -> bool:
+        """Some of it is seen from less than 6 degrees: next to nothing comes from there.
+
+        Beyond, the horizon of its plane comes into the picture, where no ray meets it.
+        """
+        corners = self.corners_in_cam_mm
+        sine = corners @ self.cam_from_board.rotation[:, 2] / np.linalg.norm(corners, axis=1)
+        return bool(sine.min() < _LEAST_SINE)
 
 
 def corners_mm(target: Target) -> FloatArray:

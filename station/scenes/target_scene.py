@@ -42,7 +42,8 @@ class TargetScene(Scene):
     dot_shift_mm
         As in `PlacedBoard`.
     beside
-        Other boards, behind or beside this one; those that show their backs stay dark.
+        Other boards, behind or beside this one; those that show their backs, or are seen edge on,
+        stay dark.
 
     Raises
     ------
@@ -75,7 +76,7 @@ class TargetScene(Scene):
 
     def _add_subject(self, frame: Counts, by_chance: np.random.Generator) -> None:
         for number, other in enumerate(self.beside):
-            if other.shows_its_front:
+            if other.shows_its_front and not other.is_edge_on:
                 self._add_board(frame, other, np.random.default_rng([self.seed, number]))
         self._add_board(frame, self.board, by_chance)
 

@@ -17,6 +17,7 @@ from station.scenes import (
     target_poses,
 )
 from station.scenes.crossing import crossing_on_board
+from station.scenes.placed_board import PlacedBoard
 from station.scenes.showings import crosses_rectangle
 
 COUNT = 12
@@ -113,6 +114,19 @@ def test_other_boards_are_in_the_picture_dark_unless_all_are_lit(target, rng):
         # The pictures of the dots' centres differ from those of the dots by 0.1 px.
         assert np.abs(view.points.centre_px - places).max() < 1.0
         assert len(of_view) > 50
+
+
+@pytest.mark.parametrize(("aslant_deg", "drawn"), [(85.0, True), (95.0, False), (97.5, False)])
+def test_board_beside_is_drawn_unless_it_is_seen_edge_on(sensor, target, aslant_deg, drawn):
+    # Turned by 97.67 degrees its plane goes through the camera, and rays meet it nowhere.
+    pose = RigidTransform(np.eye(3), np.array([-40.0, -36.0, 500.0]))
+    turn = RigidTransform.from_rotation_vector([0.0, np.radians(aslant_deg), 0.0], np.zeros(3))
+    beside = PlacedBoard(target, RigidTransform(turn.rotation, np.array([70.0, -36.0, 520.0])))
+    assert beside.shows_its_front
+    alone = TargetScene(sensor, target, pose)
+    light = replace(alone, beside=(beside,)).light_counts()
+    assert np.isfinite(light).all()
+    assert (light != alone.light_counts()).any() == drawn
 
 
 def test_way_through_a_rectangle_is_told_from_one_that_ends_before_it_or_passes_by():
