@@ -6,6 +6,8 @@ fail() { printf 'deploy: %s\n' "$*" >&2; exit 2; }
 
 # Aravis comes as a GObject typelib; PyGObject from pip would need headers and a compiler.
 DEBIAN_PACKAGES=(python3-venv python3-gi gir1.2-aravis-0.8)
+# The tests start a server of their own, in a folder of their own.
+DEBIAN_PACKAGES_OF_TESTS=(postgresql)
 
 lock_of() { if [ "$1" = test ]; then echo deploy/test.lock; else echo requirements.lock; fi; }
 
@@ -14,28 +16,37 @@ fingerprint() { cat pyproject.toml deploy/environment.sh "$(lock_of "$1")" | sha
 is_prepared() { [ -x .venv/bin/station ] && [ "$(cat ".venv/prepared-$1" 2>/dev/null)" = "$(fingerprint "$1")" ]; }
 
 missing_debian_packages() {
-    local name
-    for name in "${DEBIAN_PACKAGES[@]}"; do
+    local name needed=("${DEBIAN_PACKAGES[@]}")
+    [ "$1" = run ] || needed+=("${DEBIAN_PACKAGES_OF_TESTS[@]}")
+    for name in "${needed[@]}"; do
         [ "$(dpkg-query -W -f='${db:Status-Status}' "$name" 2>/dev/null)" = installed ] || echo "$name"
     done
 }
 
+# Debian's postgresql would make and start a server for the whole machine.
+forbid_server_of_machine() {
+    [ -e /etc/postgresql-common ] && return 0
+    "$@" mkdir -p /etc/postgresql-common/createcluster.d
+    echo 'create_main_cluster = false' | "$@" tee /etc/postgresql-common/createcluster.d/treadline.conf >/dev/null
+}
+
 install_debian_packages() {
     local missing log as_root=()
-    missing=$(missing_debian_packages | xargs)
+    missing=$(missing_debian_packages "$1" | xargs)
     [ -n "$missing" ] || return 0
     command -v apt-get >/dev/null || fail "apt-get is not here; allowed: Debian 12; install by hand: $missing"
     if [ "$(id -u)" != 0 ]; then
         command -v sudo >/dev/null || fail "missing Debian packages: $missing; run as root once: apt-get install $missing"
         as_root=(sudo)
     fi
+    [[ $missing != *postgresql* ]] || forbid_server_of_machine "${as_root[@]}"
     say "installing Debian packages: $missing"
     log=$(mktemp)
     # shellcheck disable=SC2086  # a list of names
     { "${as_root[@]}" apt-get update && "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
         apt-get install --yes --no-install-recommends $missing; } >"$log" 2>&1 || true
     # apt-get update answers 0 even where no mirror is reached: ask what is installed instead.
-    missing=$(missing_debian_packages | xargs)
+    missing=$(missing_debian_packages "$1" | xargs)
     [ -z "$missing" ] || fail "apt could not install $missing ($(grep -E '^(E|Err|W):?' "$log" | tail -n 1)); check the network and /etc/apt/sources.list, log in $log"
     rm -f "$log"
 }
@@ -59,7 +70,7 @@ prepare_environment() {
     is_prepared "$1" && return 0
     # What the tests need is more than what running needs.
     [ "$1" = run ] && is_prepared test && return 0
-    install_debian_packages
+    install_debian_packages "$1"
     install_python_packages "$1"
     fingerprint "$1" >".venv/prepared-$1"
 }

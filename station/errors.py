@@ -10,6 +10,7 @@ StationError
 ├── RecordingError         the MCAP file or its disk
 │   ├── RecordingUnreadable  not a recording, cut short, or damaged
 │   └── DiskFull           no space left for what arrives
+├── StoreUnusable          the database is damaged, out of reach, or busy for too long
 ├── NotFound               a name the station does not know
 ├── StateConflict          a command the present state forbids
 ├── VersionConflict        somebody else changed it since the caller read it
@@ -60,6 +61,10 @@ class RecordingUnreadable(RecordingError):
 
 class DiskFull(RecordingError):
     """No space is left for what arrives."""
+
+
+class StoreUnusable(StationError):
+    """The database is damaged, out of reach, or busy for too long."""
 
 
 class NotFound(StationError):

@@ -16,6 +16,10 @@ _IDEMPOTENCY_KEY = {
     "description": "The same key again gets the same answer for a day, and nothing is done twice.",
     "schema": {"type": "string", "minLength": 1, "maxLength": 255, "pattern": "^[!#-~]+$"},
 }
+_OF_LONG_WORK = {
+    "Location": {"description": "The job, or what it works on.", "schema": {"type": "string"}},
+    "Retry-After": {"description": "Seconds until a look pays.", "schema": {"type": "integer"}},
+}
 
 
 def contract_of(app: FastAPI) -> dict[str, Any]:
@@ -34,6 +38,8 @@ def contract_of(app: FastAPI) -> dict[str, Any]:
             refusal = operation["responses"].get("422", {})
             if "application/json" in refusal.get("content", {}):
                 del operation["responses"]["422"]  # `default` has it
+            if "202" in operation["responses"]:
+                operation["responses"]["202"]["headers"] = _OF_LONG_WORK
             if method == "post" and ("POST", path) not in STREAMED:
                 operation.setdefault("parameters", []).append(_IDEMPOTENCY_KEY)
     return contract

@@ -10,6 +10,7 @@ from starlette.exceptions import HTTPException
 from calib import CalibError
 from station import errors
 from station.api import refusals
+from station.api.addresses import methods_at
 
 _log = structlog.get_logger()
 _MEDIA_TYPE = "application/problem+json"
@@ -30,6 +31,7 @@ STATUS_OF: dict[type[Exception], int] = {
     errors.RecordingUnreadable: 422,
     errors.StateConflict: 409,
     errors.StationError: 500,
+    errors.StoreUnusable: 503,
     errors.VersionConflict: 412,
     errors.VersionMissing: 428,
     refusals.BodyRefused: 400,
@@ -110,6 +112,9 @@ async def _answer_http(request: Request, error: Exception) -> JSONResponse:
     lines = {404: f"{path}: no such address", 405: f"{path}: not by {request.method}"}
     answer = _answer(path, status=status, name="HttpError", detail=lines.get(status, detail))
     answer.headers.update(headers or {})
+    if status == 405:
+        # The framework names those of the first route alone.
+        answer.headers["Allow"] = ", ".join(methods_at(request.app, path)) or "GET"
     return answer
 
 

@@ -50,7 +50,7 @@ class RecalibrationCollector(Collector):
         if last is not None:
             ended = last.ended_at or last.ordered_at
             told["station_recalibration_age_seconds"] = (now - ended).total_seconds()
-            for name, figure in (("difference", "rms_mm"), ("largest", "largest_mm")):
+            for name, figure in (("difference", "sheet_rms_mm"), ("largest", "sheet_largest_mm")):
                 if figure in (last.figures or {}):
                     told[f"station_recalibration_{name}_mm"] = (last.figures or {})[figure]
         return told

@@ -1,6 +1,7 @@
 """What comes out over HTTP of trains: axles, alarms, and how wheelsets change."""
 
 from datetime import datetime
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -44,6 +45,19 @@ class DifferenceModel(_Out):
     status: Status
 
 
+class BackToBackModel(_Out):
+    """Distance between the flange backs of an axle, mm; null with a reason where not measured."""
+
+    value: float | None
+    u95: float | None
+    status: Status
+    alarm: Alarm
+    pairs: int
+    """Shots of left and right at one time that it is the mean of."""
+    reason: str | None
+    """Why there is no value."""
+
+
 class AxleModel(_Out):
     """One axle of a train, in the order of passing; also one that nobody saw."""
 
@@ -62,6 +76,8 @@ class AxleModel(_Out):
     left: AxleWheelModel
     right: AxleWheelModel
     differences: dict[Quantity, DifferenceModel]
+    back_to_back: BackToBackModel | None
+    """Null where the settings did not say how left and right stand to each other."""
 
 
 class VehicleModel(_Out):
@@ -81,13 +97,14 @@ class AlarmModel(_Out):
 
     kind: AlarmKind
     level: Alarm
-    quantity: Quantity
+    quantity: Quantity | Literal["back_to_back"]
     value: float
     """The value; of a jump the change, mm."""
     u95: float
     place: int
     number: int | None
-    side: Side
+    side: Side | None
+    """Null of a whole axle."""
     wheelset: str | None
     text: str
 
@@ -99,6 +116,8 @@ class TrainModel(_Out):
     """Axles the controller counted."""
     remark: str | None
     """Why no axle is told its wheelset though a consist was named."""
+    no_back_to_back: str | None
+    """Why no axle has a back-to-back distance though both sides were measured."""
     axles: list[AxleModel]
     vehicles: list[VehicleModel]
     alarms: list[AlarmModel]

@@ -19,6 +19,7 @@ from station.cli.outputs import (
     refuse_same_file,
     sides_known,
     skews_known,
+    track_known,
 )
 from station.cli.readings_text import text_of
 from station.documents import CalibrationDocument, MeasurementDocument, RigDocument
@@ -118,6 +119,7 @@ def _measured(
         sides=sides_known(config, alone),
         max_skew_us=skews,
         counted=axles,
+        track=track_known(config),
         reference=reference,
         limits=limits,
         progress=progress,

@@ -18,7 +18,7 @@ from station.exports import (
     write_points,
 )
 from station.limits import limits_of
-from station.settings import load_settings
+from station.settings import TrackSettings, load_settings
 
 Out = Annotated[
     Path | None,
@@ -45,7 +45,10 @@ Plot = Annotated[
 ]
 Config = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="station.toml whose [limits] raise the alarms."),
+    typer.Option(
+        metavar="FILE",
+        help="station.toml whose [limits] raise the alarms, with sides of sensors and [track].",
+    ),
 ]
 
 
@@ -120,6 +123,11 @@ def sides_known(
 def skews_known(config: Path | None) -> dict[str, float]:
     """Return how far frames of one shot may be apart, us, of the rigs in a station's settings."""
     return {} if config is None else {rig.id: rig.max_skew_us for rig in load_settings(config).rigs}
+
+
+def track_known(config: Path | None) -> TrackSettings | None:
+    """Return how left and right stand to each other by a station's settings."""
+    return None if config is None else load_settings(config).track
 
 
 def refuse_same_file(outputs: Outputs, inputs: Sequence[Path]) -> None:

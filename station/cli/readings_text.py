@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from measure import Alarm, Placing, Quantity
-from station.documents import MeasurementDocument, ReadingDocument, WheelDocument
+from station.documents import AxleDocument, MeasurementDocument, ReadingDocument, WheelDocument
 
 _SHOWN = (
     Quantity.FLANGE_HEIGHT,
@@ -26,7 +26,19 @@ _BELONGS_MM = 0.05
 def text_of(document: MeasurementDocument) -> str:
     """Return one line a wheel, readings with their 95 % uncertainty."""
     lines = [line for wheel in document.wheels for line in _lines(wheel)]
+    lines += [_of_axle(axle) for axle in document.axles]
+    if document.no_back_to_back is not None:
+        lines.append(f"no back-to-back: {document.no_back_to_back}")
     return "\n".join([*lines, f"{document.measured} of {len(document.wheels)} wheels measured"])
+
+
+def _of_axle(axle: AxleDocument) -> str:
+    where = f"axle {axle.axle}" if axle.axle is not None else "axle unknown"
+    found = axle.back_to_back
+    if found.value is None:
+        return f"{where}: no back-to-back: {found.reason}"
+    raised = f", {found.alarm.value}" if found.alarm in {Alarm.WARNING, Alarm.ALARM} else ""
+    return f"{where}: back_to_back {found.value:.2f} \u00b1 {found.u95:.2f}{raised}"
 
 
 def _lines(wheel: WheelDocument) -> Iterator[str]:

@@ -1,5 +1,11 @@
 """The files others rely on: camera.json, calibration.json, rig.json, points.csv, results.json."""
 
+from station.documents.axle import (
+    AxleDocument,
+    BackDocument,
+    BackToBackDocument,
+    StandingDocument,
+)
 from station.documents.base import write_whole, written_whole
 from station.documents.calibration import (
     CalibrationDocument,
@@ -47,6 +53,9 @@ __all__ = [
     "BOARD_SIGMA_MM",
     "POINT_COLUMNS",
     "REFERENCE_NAME",
+    "AxleDocument",
+    "BackDocument",
+    "BackToBackDocument",
     "CalibrationDocument",
     "CameraDocument",
     "Gate",
@@ -68,6 +77,7 @@ __all__ = [
     "RigDocument",
     "RigSensorDocument",
     "RmsDocument",
+    "StandingDocument",
     "SurveyDocument",
     "WheelDocument",
     "piece_check",

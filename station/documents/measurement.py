@@ -17,9 +17,11 @@ from measure import (
     SensorShare,
     Side,
     Status,
+    Survey,
     WheelQuality,
     WheelReadings,
 )
+from station.documents.axle import AxleDocument, StandingDocument
 from station.documents.base import Document
 
 
@@ -119,6 +121,8 @@ class WheelDocument(Document):
     """What the train's consist calls its wheelset."""
     header: HeaderDocument | None = None
     """What the file of a profile says of itself, beside what was read off its points."""
+    standing: StandingDocument | None = Field(default=None, exclude_if=_empty)
+    """Where its flange back stood in its rig; absent where that was not seen."""
 
     @property
     def readings(self) -> dict[Quantity, ReadingDocument]:
@@ -136,10 +140,12 @@ def wheel_document(
     time: datetime | None = None,
     reference: ReferenceProfile | None = None,
     header: HeaderDocument | None = None,
+    survey: Survey | None = None,
 ) -> WheelDocument:
     """Return the row of a measured wheel, or of one that could not be measured.
 
-    With a `reference` the profile says how its wear is spread.
+    With a `reference` the profile says how its wear is spread; with a `survey` the row keeps where
+    the flange back stood.
     """
     readings: dict[str, Any] = {
         quantity.value: ReadingDocument(
@@ -158,6 +164,7 @@ def wheel_document(
         quality=_quality(answer.quality),
         reason=answer.reason,
         header=header,
+        standing=StandingDocument.of(answer.places, survey),
         **readings,
     )
 
@@ -235,6 +242,10 @@ class MeasurementDocument(Document):
     regime: str | None = None
     """The regime whose limits raised the alarms."""
     wheels: tuple[WheelDocument, ...]
+    axles: tuple[AxleDocument, ...] = Field(default=(), exclude_if=_empty)
+    """What both wheels of an axle say together; absent where one side alone was measured."""
+    no_back_to_back: str | None = Field(default=None, exclude_if=_empty)
+    """Why no axle has a back-to-back distance."""
 
     def calibration_of(self, wheel: WheelDocument) -> str | None:
         """Return the fingerprint of the calibration, or rig, that a wheel was measured with."""

@@ -20,6 +20,7 @@ from station.operations.collaborators import (
     Station,
     utc_now,
 )
+from station.operations.downloads import recording_file
 from station.operations.keys import Keys, key_id_of
 from station.operations.layout import DataLayout
 from station.operations.passes import Passes, PassView, PassWheels
@@ -40,7 +41,7 @@ from station.operations.rigs import (
     order_rig_calibration,
 )
 from station.operations.salvage import salvage_recording
-from station.operations.sensors import sensor_at
+from station.operations.sensors import sensor_at, sensor_given
 from station.operations.sessions import SessionOrder, Sessions, SessionView
 from station.operations.uploads import Upload, Uploads
 
@@ -79,8 +80,10 @@ __all__ = [
     "order_calibration",
     "order_recalibration",
     "order_rig_calibration",
+    "recording_file",
     "salvage_recording",
     "sensor_at",
+    "sensor_given",
     "supersede_asking",
     "utc_now",
 ]

@@ -52,7 +52,7 @@ def cancel_job(station: Station, job_id: str, *, by: Actor) -> Job:
             row.state, row.reason = PassState.RECORDED, "its measuring was cancelled"
         elif job.kind == JobKind.RECALIBRATE:
             _fail_recalibration(session, job)
-        elif job.kind != JobKind.MEASURE_AGAIN:
+        elif job.kind in {JobKind.CALIBRATE, JobKind.CALIBRATE_RIG}:
             _fail_calibration(session, job)
     station.jobs.cancel(job_id)
     return job

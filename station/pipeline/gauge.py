@@ -98,6 +98,7 @@ class WheelGauge:
             frames=tuple(frame.frame for frame in frames),
             time=utc(chosen.time_ns),
             reference=self.reference,
+            survey=self.mounting,
         )
 
 

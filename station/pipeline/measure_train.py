@@ -6,20 +6,20 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from measure import Limits, Side
+from station.back_to_back import NO_TRACK
 from station.documents import (
     CalibrationDocument,
     MeasurementDocument,
     RigDocument,
-    WheelDocument,
 )
 from station.errors import InputUnusable
-from station.pipeline.axles import on_axles
+from station.pipeline.axles import WheelsOnAxles
 from station.pipeline.frames import files_by_source, is_recording
 from station.pipeline.measure import measure_sources
 from station.pipeline.measure_rig import measure_rig
 from station.progress import Progress, silent
 from station.recording import info
-from station.settings import MAX_SKEW_US
+from station.settings import MAX_SKEW_US, TrackSettings
 from station.software import SOFTWARE
 
 
@@ -31,6 +31,7 @@ def measure_train(
     sides: Mapping[str, Side],
     max_skew_us: Mapping[str, float] | None = None,
     counted: int | None = None,
+    track: TrackSettings | None = None,
     reference: str = "S1002",
     limits: Limits | None = None,
     progress: Progress = silent,
@@ -51,6 +52,8 @@ def measure_train(
         Greatest time between frames of one shot, of single rigs.
     counted
         Axles of the train; None where nobody counted them: no axle's number is certain then.
+    track
+        How left and right stand to each other, for the distance between flange backs.
     reference, limits, progress
         As of `measure_sources`.
 
@@ -77,7 +80,12 @@ def measure_train(
         )
     if not seen:
         raise InputUnusable("no SOURCE given; give a recording of each sensor")
-    return _joined(seen, {**sides, **{rig.rig: rig.side for rig in rigs}}, counted)
+    train = WheelsOnAxles.of(
+        {name: found.wheels for name, found in seen.items()},
+        {**sides, **{rig.rig: rig.side for rig in rigs}},
+        counted=counted,
+    )
+    return _with_axles(_joined(seen, train), train, track, limits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,13 +156,8 @@ def _lookers(
     return {sensor: looker for looker in [*together, *alone] for sensor in looker.sensors}
 
 
-def _joined(
-    seen: Mapping[str, MeasurementDocument], sides: Mapping[str, Side], counted: int | None
-) -> MeasurementDocument:
+def _joined(seen: Mapping[str, MeasurementDocument], train: WheelsOnAxles) -> MeasurementDocument:
     first = next(iter(seen.values()))
-    wheels: dict[str, tuple[WheelDocument, ...]] = {
-        name: found.wheels for name, found in seen.items()
-    }
     return MeasurementDocument(
         created=datetime.now(UTC),
         software=SOFTWARE,
@@ -163,8 +166,23 @@ def _joined(
         rigs={name: print_ for found in seen.values() for name, print_ in found.rigs.items()},
         reference=first.reference,
         regime=first.regime,
-        wheels=on_axles(wheels, sides, counted=counted),
+        wheels=train.rows,
     )
+
+
+def _with_axles(
+    document: MeasurementDocument,
+    train: WheelsOnAxles,
+    track: TrackSettings | None,
+    limits: Limits | None,
+) -> MeasurementDocument:
+    """Add what both wheels of an axle say together, where both sides are looked at."""
+    if not train.both_sides:
+        return document
+    if track is None:
+        return document.model_copy(update={"no_back_to_back": NO_TRACK})
+    axles = train.distances(track, limits if limits is not None else Limits.default())
+    return document.model_copy(update={"axles": axles})
 
 
 def _part(progress: Progress, place: int, of: int) -> Progress:

@@ -133,6 +133,7 @@ class RigGauge:
             frames=tuple(frame.frame for frame in firsts),
             time=utc(chosen.time_ns),
             reference=self.reference,
+            survey=self.survey,
         )
         return wheel.model_copy(update={"quality": self._more_of(wheel.quality, answer.diameter)})
 

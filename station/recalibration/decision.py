@@ -133,7 +133,7 @@ class _Judge:
     policy: PolicySettings
 
     def judge(self) -> Decision:
-        new, difference = self.evidence.new, self.evidence.difference
+        new, sheet = self.evidence.new, self.evidence.sheet
         if new is None:
             return self._without_new()
         failures = tuple(self._failures(new))
@@ -141,11 +141,11 @@ class _Judge:
             return self._doubtful(failures)
         if self.evidence.piece.by_new is PieceVerdict.DRIFTED:
             return self._doubtful(("the new calibration makes the reference piece come out wrong",))
-        if difference is None:
+        if sheet is None:
             return self._as(Outcome.FIRST, self.policy.first, "no calibration was in force")
-        if not math.isfinite(difference.rms_mm):
+        if not math.isfinite(sheet.rms_mm):
             return self._doubtful(("it sees no part of the sheet in common with the one in force",))
-        return self._compared(difference)
+        return self._compared(sheet)
 
     def _without_new(self) -> Decision:
         evidence = self.evidence
@@ -176,17 +176,23 @@ class _Judge:
             ("dots RMS", new.rms_dots_px, gates.largest_dots_px),
             ("stripe RMS", new.rms_stripe_px, gates.largest_stripe_px),
         ):
-            if not value <= limit:
+            if value > limit:
                 yield f"{what} {value:.3f} px; at most {limit:g} is allowed"
         if not new.pictures_age_h <= gates.oldest_pictures_h:
             yield f"pictures {new.pictures_age_h:.0f} h old; at most {gates.oldest_pictures_h:g}"
 
-    def _compared(self, difference: Difference) -> Decision:
-        ratio = largest_ratio(self.gates.false_alarm)
-        differ = not difference.rms_mm <= ratio * difference.expected_mm
-        if differ:
-            return self._differing(difference)
-        shows_from_mm = ratio * difference.expected_mm
+    def _compared(self, sheet: Difference) -> Decision:
+        # Each of the two comparisons has half of the chance of a false alarm.
+        ratio = largest_ratio(0.5 * self.gates.false_alarm)
+        told = (("sheets", sheet), ("sensors as a whole", self.evidence.whole))
+        differing = [
+            (name, each)
+            for name, each in told
+            if each is not None and not each.rms_mm <= ratio * each.expected_mm
+        ]
+        if differing:
+            return self._differing(*max(differing, key=lambda one: one[1].largest_mm))
+        shows_from_mm = ratio * sheet.expected_mm
         if shows_from_mm > self.gates.drift_mm:
             return self._doubtful((
                 f"a drift would show from {shows_from_mm:.3f} mm on, but {self.gates.drift_mm:g} "
@@ -195,13 +201,13 @@ class _Judge:
         if self.evidence.piece.by_present is PieceVerdict.DRIFTED:
             why = "both calibrations agree, but with the one in force the piece comes out wrong"
             return self._as(Outcome.DOUBTFUL, Action.ASK, why, alarm=True)
-        return self._agreeing(difference)
+        return self._agreeing(sheet)
 
     def _agreeing(self, difference: Difference) -> Decision:
         days, oldest = self.evidence.present_age_days, self.gates.oldest_calibration_days
         within = (
-            f"they differ by {difference.rms_mm:.4f} mm RMS where {difference.expected_mm:.4f} "
-            "is expected of their uncertainties"
+            f"the sheets differ by {difference.rms_mm:.4f} mm RMS where "
+            f"{difference.expected_mm:.4f} is expected of their uncertainties"
         )
         if difference.new_sigma_mm <= self.gates.better * difference.present_sigma_mm:
             better = (
@@ -214,14 +220,14 @@ class _Judge:
             return self._as(Outcome.AGED, self.policy.aged, within, aged)
         return self._as(Outcome.CONSISTENT, self.policy.consistent, within)
 
-    def _differing(self, difference: Difference) -> Decision:
+    def _differing(self, what: str, difference: Difference) -> Decision:
         drifting = self.evidence.drifting
         limit_mm = self.gates.drift_mm * (self.gates.release if drifting else 1.0)
         u, v = difference.largest_at_px
         apart = (
-            f"they differ by {difference.rms_mm:.4f} mm RMS where {difference.expected_mm:.4f} is "
-            f"expected; at most by {difference.largest_mm:.4f} mm, at pixel ({u:.0f}, {v:.0f}), "
-            f"where {limit_mm:g} matters"
+            f"the {what} differ by {difference.rms_mm:.4f} mm RMS where "
+            f"{difference.expected_mm:.4f} is expected; at most by {difference.largest_mm:.4f} mm, "
+            f"at pixel ({u:.0f}, {v:.0f}), where {limit_mm:g} matters"
         )
         if difference.largest_mm <= limit_mm:
             return self._as(Outcome.SHIFTED, self.policy.shifted, apart)

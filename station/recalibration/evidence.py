@@ -79,8 +79,11 @@ class Evidence:
         None where there is none.
     unsolved
         Why there is none.
-    difference
-        None where no calibration was in force.
+    sheet
+        Of the sheets alone, seen through the camera in force: it tells of motions ten times
+        smaller than the whole does. None where no calibration was in force.
+    whole
+        Of sheets and cameras together.
     present_age_days
         Since the calibration in force was made.
     unchecked_days
@@ -93,7 +96,8 @@ class Evidence:
 
     new: NewCalibration | None = None
     unsolved: str | None = None
-    difference: Difference | None = None
+    sheet: Difference | None = None
+    whole: Difference | None = None
     piece: PieceFindings = field(default_factory=PieceFindings)
     present_age_days: float | None = None
     unchecked_days: float | None = None
@@ -106,9 +110,9 @@ class Evidence:
         told: dict[str, object] = {"present_age_days": self.present_age_days}
         if self.new is not None:
             told |= asdict(self.new)
-        if self.difference is not None:
-            told |= asdict(self.difference)
-            told["largest_at_u_px"], told["largest_at_v_px"] = self.difference.largest_at_px
+        for name, difference in (("sheet", self.sheet), ("whole", self.whole)):
+            if difference is not None:
+                told |= {f"{name}_{key}": value for key, value in asdict(difference).items()}
         return {
             name: float(value)
             for name, value in told.items()

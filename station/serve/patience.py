@@ -1,12 +1,16 @@
 """HTTP/1.1 that is not kept waiting: who sends headers drop by drop is cut off."""
 
 import asyncio
+import ipaddress
 import json
 import socket
+from collections.abc import Sequence
 from typing import ClassVar
 
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from station.settings import WebSettings
 
 _LINGER_S = 2.0
 """How long the rest of a body is read and dropped after its call was refused.
@@ -16,12 +20,14 @@ A connection closed with bytes unread is reset, and the caller never sees why.
 
 
 class PatientHttp(H11Protocol):
-    """A connection that waits for headers so long and no longer.
+    """A connection that waits for headers so long and no longer, and is one of so many.
 
-    uvicorn waits for ever: a few hundred callers that never finish would hold all its sockets.
+    uvicorn waits for ever: one caller with a thousand open connections would hold all its sockets.
     """
 
     header_s: ClassVar[float]
+    most_connections: ClassVar[int]
+    proxies: ClassVar[Sequence[ipaddress.IPv4Network | ipaddress.IPv6Network]]
     _waiting: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn has it
@@ -30,7 +36,24 @@ class PatientHttp(H11Protocol):
         # body of an answer, written after its headers, then waits 40 ms for the caller's ACK.
         connection = transport.get_extra_info("socket")
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._wait(self.header_s)
+        if self._of_the_same_caller() > self.most_connections:
+            line = f"you hold {self.most_connections} connections; close some, or use them again"
+            self._refuse(503, "Service unavailable", line)
+        else:
+            self._wait(self.header_s)
+
+    def _of_the_same_caller(self) -> int:
+        if self.client is None or self._is_proxy(self.client[0]):
+            return 0
+        return sum(
+            other.client is not None and other.client[0] == self.client[0]
+            for other in self.connections
+            if isinstance(other, PatientHttp)
+        )
+
+    def _is_proxy(self, host: str) -> bool:
+        address = ipaddress.ip_address(host)
+        return any(address in network for network in self.proxies)
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._wait(None)
@@ -78,15 +101,20 @@ class PatientHttp(H11Protocol):
                 (b"x-content-type-options", b"nosniff"),
                 (b"connection", b"close"),
             ]
-            for event in (
+            events = (
                 h11.Response(status_code=status, headers=headers),
                 h11.Data(data=json.dumps(problem).encode()),
                 h11.EndOfMessage(),
-            ):
-                self.transport.write(self.conn.send(event) or b"")
+            )
+            self.transport.write(b"".join(self.conn.send(event) or b"" for event in events))
         self.transport.close()
 
 
-def patient_http(header_s: float) -> type[PatientHttp]:
-    """Return the protocol of a server that waits `header_s` seconds for the headers of a call."""
-    return type("PatientHttp", (PatientHttp,), {"header_s": header_s})
+def patient_http(web: WebSettings) -> type[PatientHttp]:
+    """Return the protocol of a server with the limits of the settings."""
+    limits = {
+        "header_s": web.header_s,
+        "most_connections": web.connections,
+        "proxies": web.proxies,
+    }
+    return type("PatientHttp", (PatientHttp,), limits)

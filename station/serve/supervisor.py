@@ -19,7 +19,7 @@ from station.serve.listening import listen, url_of
 from station.serve.processes import start_api, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
 from station.settings import StationSettings
-from station.store import ensure_unguessable, migrate
+from station.store import ensure_sound, ensure_unguessable, migrate
 from station.worker import held
 
 _API_PATIENCE_S = 8.0
@@ -50,6 +50,8 @@ def supervise(
         short.
     StateConflict
         If a station runs already on this data folder.
+    StoreUnusable
+        If the store is damaged or out of reach.
     """
     if admin_key is not None:
         ensure_unguessable(admin_key)
@@ -57,6 +59,7 @@ def supervise(
     layout = DataLayout.of(settings)
     layout.ensure()
     with held(layout.station_lock, "a station"), listen(settings.host, settings.port) as listening:
+        ensure_sound(layout.store_url)
         migrate(layout.store_url)
         if admin_key is None:
             ensure_first_key(layout, say, to_a_person=sys.stderr.isatty())

@@ -14,7 +14,7 @@ def server_config(app: FastAPI, settings: StationSettings) -> uvicorn.Config:
     web, tls = settings.web, settings.tls
     return uvicorn.Config(
         app,
-        http=patient_http(web.header_s),
+        http=patient_http(web),
         ws="none",
         access_log=False,
         log_config=None,

@@ -1,6 +1,6 @@
 """The station's settings: one typed tree, read once at start from TOML and the environment."""
 
-from station.settings.limits import LimitSettings, LimitsSettings
+from station.settings.limits import LimitSettings, LimitsSettings, RangeSettings
 from station.settings.load import load_settings
 from station.settings.recalibration import (
     DAYS,
@@ -21,6 +21,7 @@ from station.settings.sensor import (
 )
 from station.settings.station import StationSettings
 from station.settings.storage import StorageSettings
+from station.settings.track import TrackSettings
 from station.settings.web import TlsSettings, WebSettings
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "MountingSettings",
     "PieceSettings",
     "PolicySettings",
+    "RangeSettings",
     "RecalibrationSettings",
     "RegionSettings",
     "RigSettings",
@@ -43,6 +45,7 @@ __all__ = [
     "StationSettings",
     "StorageSettings",
     "TlsSettings",
+    "TrackSettings",
     "WebSettings",
     "load_settings",
 ]

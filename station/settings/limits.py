@@ -7,23 +7,28 @@ from pydantic import Field, model_validator
 from station.settings.section import Section
 
 
-class LimitSettings(Section):
-    """The limits of one quantity, mm; a missing end is none."""
+class RangeSettings(Section):
+    """The range a value may have, mm; a missing end is none."""
 
     low: float | None = Field(default=None, allow_inf_nan=False)
     """Least value."""
     high: float | None = Field(default=None, allow_inf_nan=False)
     """Greatest value."""
-    warn_within: float = Field(default=0.5, ge=0.0)
-    """How near the worn end the warning starts."""
-    jump: float = Field(default=1.0, gt=0.0)
-    """Change from one pass of a wheel to the next that is an alarm; inf: none is."""
 
     @model_validator(mode="after")
     def _some_value_is_allowed(self) -> Self:
         if self.low is not None and self.high is not None and not self.low < self.high:
             raise ValueError(f"low {self.low:g} and high {self.high:g} allow nothing; low < high")
         return self
+
+
+class LimitSettings(RangeSettings):
+    """The limits of one quantity."""
+
+    warn_within: float = Field(default=0.5, ge=0.0)
+    """How near the worn end the warning starts, mm."""
+    jump: float = Field(default=1.0, gt=0.0)
+    """Change from one pass of a wheel to the next that is an alarm, mm; inf: none is."""
 
 
 class LimitsSettings(Section):
@@ -53,6 +58,8 @@ class LimitsSettings(Section):
     """Depth of the tread's hollow."""
     diameter: LimitSettings | None = None
     """At the tape circle; where the sensors' sheets tell it."""
+    back_to_back: RangeSettings | None = None
+    """Between the flange backs of an axle; wear does not change it, so no end is the worn one."""
 
     @model_validator(mode="before")
     @classmethod
@@ -66,6 +73,6 @@ class LimitsSettings(Section):
 
     @property
     def given(self) -> dict[str, LimitSettings]:
-        """The limits that replace those of the preset, by quantity."""
+        """The limits of quantities of a wheel that replace those of the preset."""
         found = {name: getattr(self, name) for name in type(self).model_fields}
         return {name: limit for name, limit in found.items() if isinstance(limit, LimitSettings)}

@@ -33,8 +33,9 @@ class GateSettings(Section):
     """Once it has drifted, a sensor is well again below this part of `drift_mm` alone."""
     false_alarm: float = Field(default=0.001, gt=0.0, lt=0.5)
     """Chance of a night that a sensor at rest is found to differ, at most."""
-    better: float = Field(default=0.8, gt=0.0, lt=1.0)
-    """A calibration is better whose sheet is known to this part of the other's sigma."""
+    better: float = Field(default=0.7, gt=0.0, lt=1.0)
+    """A calibration is better whose sheet is known to this part of the other's sigma: half of the
+    variance, so that it is not changed nightly for the little that a night adds."""
     oldest_calibration_days: float | None = Field(default=None, gt=0.0)
     """Age from which a calibration in force gives way to one that agrees; absent: none does."""
     longest_unchecked_days: float | None = Field(default=None, gt=0.0)
@@ -71,13 +72,17 @@ class PolicySettings(Section):
 
 
 class CaptureSettings(Section):
-    """A session that the station takes by itself, of a target mounted before a sensor."""
+    """A session that the station takes by itself, of a target mounted before a sensor.
+
+    As with every calibration session, a train that comes meanwhile is refused: choose a time at
+    which none does, and few seconds.
+    """
 
     target: Annotated[str, StringConstraints(max_length=64)]
     """For example dots:7x8:12."""
     pictures: int = Field(default=12, ge=1, le=200)
     """Poses; each is taken with the sensor's `calibration_exposures`."""
-    pause_s: float = Field(default=5.0, ge=0.0, le=600.0)
+    pause_s: float = Field(default=5.0, ge=0.0, le=60.0)
     """Time for the mount to bring the target into its next pose, s: one pose fixes no sheet."""
 
     @field_validator("target")
@@ -109,6 +114,9 @@ class SensorRecalibrationSettings(Section):
 
     method: Literal["joint", "deviation", "preplanar"] = "joint"
     """How its light plane is solved."""
+    camera: Literal["in_force", "solve"] = "in_force"
+    """Whether what is known of the camera goes into the new calibration, or the new pictures alone
+    tell of it: after its lens or focus was changed they must."""
     capture: CaptureSettings | None = None
     """A session to take where there is none that is new; absent: somebody records one."""
     piece: PieceSettings | None = None

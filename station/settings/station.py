@@ -12,6 +12,7 @@ from station.settings.rig import RigSettings
 from station.settings.section import Section
 from station.settings.sensor import SensorSettings
 from station.settings.storage import StorageSettings
+from station.settings.track import TrackSettings
 from station.settings.web import TlsSettings, WebSettings
 
 
@@ -45,6 +46,8 @@ class StationSettings(Section):
     """Calibrating the sensors anew, nightly and on call."""
     rigs: tuple[RigSettings, ...] = ()
     """Which of them look at the same wheel; a sensor in none is measured by itself."""
+    track: TrackSettings | None = None
+    """How left and right stand to each other; absent: no axle has a back-to-back distance."""
 
     @model_validator(mode="after")
     def _sensors_differ(self) -> Self:

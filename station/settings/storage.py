@@ -26,7 +26,13 @@ class StorageSettings(Section):
     """All recordings together, GB: beyond, measured ones make way, oldest first; absent: no limit.
 
     With `quota_gb` or `keep_days` measured ones make way for `keep_free_gb` too; without either
-    nothing is ever deleted.
+    none of them is ever deleted.
     """
     keep_days: float | None = Field(default=None, gt=0.0)
     """Measured recordings older than so many days are deleted; absent: they stay."""
+    keep_failed_days: float | None = Field(default=None, gt=0.0)
+    """Recordings of passes that failed are deleted after so many days: give somebody the time to
+    look at them; absent: they stay."""
+    compact_after_days: float | None = Field(default=None, ge=0.0)
+    """Measured recordings are made smaller, without loss, after so many days; absent: never.  That
+    is done while no train passes."""

@@ -33,6 +33,8 @@ class WebSettings(Section):
     """Largest recording that may be uploaded, MB (10^6 bytes)."""
     uploads_gb: float = Field(default=20.0, ge=0.0)
     """All uploaded recordings together, GB (10^9 bytes); they count in [storage] quota_gb too."""
+    connections: int = Field(default=100, ge=4, le=10_000)
+    """Connections one address may hold at once; those of proxies are not counted."""
     header_s: float = Field(default=10.0, gt=0.0, le=120.0)
     """Time a caller has to send the headers of a call, s."""
     body_s: float = Field(default=10.0, gt=0.0, le=120.0)

@@ -1,6 +1,6 @@
 """The disk: space before a recording begins, recordings that make way, and smaller ones."""
 
-from station.storage.compacting import CompactedFiles, compact_measured
+from station.storage.compacting import CompactedFiles, compact_recording, due_for_compacting
 from station.storage.retention import Candidate, Deletion, Usage, to_delete
 from station.storage.space import (
     GB,
@@ -10,7 +10,7 @@ from station.storage.space import (
     expected_of_session,
     free_bytes,
 )
-from station.storage.tidying import tidy
+from station.storage.tidying import due_deletions, files_of_recording, tidy
 
 __all__ = [
     "GB",
@@ -19,10 +19,13 @@ __all__ = [
     "Deletion",
     "Expected",
     "Usage",
-    "compact_measured",
+    "compact_recording",
+    "due_deletions",
+    "due_for_compacting",
     "ensure_space",
     "expected_of_pass",
     "expected_of_session",
+    "files_of_recording",
     "free_bytes",
     "tidy",
     "to_delete",

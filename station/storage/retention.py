@@ -1,8 +1,8 @@
 """Which recordings make way for others: measured ones, the oldest first, and no others.
 
 A recording may go once what it was made for is in the store.  A pass's recording has been measured;
-a calibration session's has given a calibration, and none in force came from it.  A pass that failed
-stays until somebody deletes it: nothing says that anybody has looked at it.
+a calibration session's has given a calibration, and none in force came from it.  That of a pass
+that failed stays for as long as the settings give somebody to look at it, whatever the space.
 """
 
 from collections.abc import Sequence
@@ -21,6 +21,8 @@ class Candidate:
     recording_id: str
     opened_at: datetime
     size_bytes: int
+    failed: bool = False
+    """It is of a pass that failed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +45,9 @@ class Deletion:
 def to_delete(
     candidates: Sequence[Candidate], usage: Usage, settings: StorageSettings, now: datetime
 ) -> list[Deletion]:
-    """Return the recordings that are to go, the oldest first; none without a limit that asks.
+    """Return the recordings that are to go; none without a limit that asks.
+
+    First those of failed passes that are old enough, then measured ones, the oldest first.
 
     Parameters
     ----------
@@ -54,11 +58,13 @@ def to_delete(
     now
         The time by which they are old.
     """
+    by_age = sorted(candidates, key=lambda one: (one.opened_at, one.recording_id))
+    chosen = _failed(by_age, settings.keep_failed_days, now)
     if settings.quota_gb is None and settings.keep_days is None:
-        return []
-    used, free = usage.recordings_bytes, usage.free_bytes
-    chosen = []
-    for candidate in sorted(candidates, key=lambda one: (one.opened_at, one.recording_id)):
+        return chosen
+    gone = sum(deletion.candidate.size_bytes for deletion in chosen)
+    used, free = usage.recordings_bytes - gone, usage.free_bytes + gone
+    for candidate in (one for one in by_age if not one.failed):
         why = _why(candidate, used, free, settings, now)
         if why is None:
             break  # those that follow are younger, and nothing more need go
@@ -66,6 +72,14 @@ def to_delete(
         used -= candidate.size_bytes
         free += candidate.size_bytes
     return chosen
+
+
+def _failed(by_age: Sequence[Candidate], days: float | None, now: datetime) -> list[Deletion]:
+    if days is None:
+        return []
+    why = f"its pass failed; older than keep_failed_days = {days:g}"
+    failed = (one for one in by_age if one.failed)
+    return [Deletion(one, why) for one in failed if now - one.opened_at > timedelta(days=days)]
 
 
 def _why(

@@ -6,14 +6,42 @@ from pathlib import Path
 
 import structlog
 
+from station.progress import Progress, silent
 from station.recording import left_behind
 from station.settings import StorageSettings
 from station.storage.retention import Candidate, Deletion, Usage, to_delete
 from station.storage.space import free_bytes
-from station.store import Recording, Store, disposable_recordings, the
+from station.store import (
+    STATION,
+    Action,
+    Recording,
+    Store,
+    audit,
+    disposable_recordings,
+    failed_recordings,
+    the,
+)
 
 RECORDINGS = "recordings"
 _log = structlog.get_logger()
+
+
+def due_deletions(
+    store: Store,
+    root: Path,
+    settings: StorageSettings,
+    now: datetime,
+    free_of: Callable[[Path], int] = free_bytes,
+) -> list[Deletion]:
+    """Return the recordings that are to make way."""
+    limits = settings.quota_gb, settings.keep_days, settings.keep_failed_days
+    if limits == (None, None, None):
+        return []
+    with store.look() as session:
+        candidates = [_candidate(root, row) for row in disposable_recordings(session)]
+        candidates += [_candidate(root, row, failed=True) for row in failed_recordings(session)]
+    usage = Usage(_size_of_folder(root / RECORDINGS), free_of(root))
+    return to_delete(candidates, usage, settings, now)
 
 
 def tidy(
@@ -22,26 +50,24 @@ def tidy(
     settings: StorageSettings,
     now: datetime,
     free_of: Callable[[Path], int] = free_bytes,
+    progress: Progress = silent,
 ) -> list[Deletion]:
     """Delete the recordings that are to make way; return them.
 
-    Each is taken off the disk, then noted in its row and in the log.  Interrupted in between, the
-    next time finds nothing of it on the disk and notes it then.
+    Each is taken off the disk, then noted in its row, the audit trail and the log.  Interrupted in
+    between, the next time finds nothing of it on the disk and notes it then.
     """
-    if settings.quota_gb is None and settings.keep_days is None:
-        return []
-    with store.look() as session:
-        candidates = [_candidate(root, row) for row in disposable_recordings(session)]
-    usage = Usage(_size_of_folder(root / RECORDINGS), free_of(root))
-    gone = to_delete(candidates, usage, settings, now)
-    for deletion in gone:
+    gone = due_deletions(store, root, settings, now, free_of)
+    for place, deletion in enumerate(gone):
+        progress(place / len(gone), deletion.candidate.recording_id)
         _delete(store, root, deletion, now)
     return gone
 
 
-def _candidate(root: Path, row: Recording) -> Candidate:
+def _candidate(root: Path, row: Recording, *, failed: bool = False) -> Candidate:
     files = files_of_recording(root / row.path)
-    return Candidate(row.id, row.opened_at, sum(file.stat().st_size for file in files))
+    size_bytes = sum(file.stat().st_size for file in files)
+    return Candidate(row.id, row.opened_at, size_bytes, failed=failed)
 
 
 def files_of_recording(path: Path) -> list[Path]:
@@ -53,13 +79,16 @@ def _delete(store: Store, root: Path, deletion: Deletion, now: datetime) -> None
     candidate = deletion.candidate
     with store.change() as session:
         # Looked at again while nobody else can write: a calibration may have come into force.
-        if candidate.recording_id not in {row.id for row in disposable_recordings(session)}:
+        may_go = (failed_recordings if candidate.failed else disposable_recordings)(session)
+        if candidate.recording_id not in {row.id for row in may_go}:
             return
         row = the(session, Recording, candidate.recording_id)
         # The last one first: what an interruption leaves still begins with its first file.
         for file in reversed(files_of_recording(root / row.path)):
             file.unlink()
         row.deleted_at, row.deleted_why = now, deletion.why
+        why = {"why": deletion.why}
+        audit(session, Action.DELETE, "recording", row.id, by=STATION, at=now, after=why)
     _log.info(
         "recording deleted",
         recording=candidate.recording_id,

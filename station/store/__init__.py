@@ -13,12 +13,15 @@ from station.store.axles import (
     places_of,
     replace_axles,
 )
+from station.store.connecting import database_url
 from station.store.disposal import (
     disposable_recordings,
+    failed_recordings,
     measured_recordings,
     recordings_in_use,
 )
 from station.store.engine import Store, sqlite_url
+from station.store.integrity import ensure_sound, file_of
 from station.store.jobs import (
     JobKind,
     add_job,
@@ -62,7 +65,7 @@ from station.store.lookups import (
     wheels_of,
 )
 from station.store.measurements import add_measurements, profiles_of
-from station.store.migrate import EMPTY, NEWEST, migrate, revision_of
+from station.store.migrate import EMPTY, NEWEST, ensure_known, migrate, revision_of
 from station.store.recalibration_tables import KeptPieceCheck, Recalibration
 from station.store.recalibrations import (
     activation_of,
@@ -175,10 +178,15 @@ __all__ = [
     "caller_of",
     "counts_by_state",
     "decided_against",
+    "database_url",
     "digest",
     "disposable_recordings",
     "end",
+    "failed_recordings",
+    "ensure_known",
+    "ensure_sound",
     "ensure_unguessable",
+    "file_of",
     "first_piece_check",
     "forget_call",
     "forget_unanswered",

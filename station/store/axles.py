@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from measure import Placing, Side
-from station.store.tables import AxleWheel, Measurement, Pass
+from station.store.tables import AxleWheel, JsonObject, Measurement, Pass
 
 RECENT = 3
 """Passes that a jump is looked for in: the last is enough where it was measured whole."""
@@ -15,11 +16,12 @@ RECENT = 3
 
 @dataclass(frozen=True, slots=True)
 class Appearance:
-    """A wheel of a wheelset in one pass, measured there."""
+    """A wheel of a wheelset in one pass: when it went by, and what was measured of it."""
 
-    row: AxleWheel
-    of_pass: Pass
-    measurement: Measurement
+    pass_id: str
+    opened_at: datetime
+    reference: str
+    wheel: JsonObject
 
 
 def replace_axles(session: Session, pass_id: str, rows: Iterable[AxleWheel]) -> None:
@@ -90,7 +92,8 @@ def history_of(
         chosen = chosen.where(Pass.opened_at < before.opened_at)
     # Chosen first: sorting all that a wheelset ever was would read every one of its wheels.
     query = (
-        select(AxleWheel, Pass, Measurement)
+        select(Pass.id, Pass.opened_at, Measurement.reference, Measurement.wheel)
+        .select_from(AxleWheel)
         .join(Pass, AxleWheel.pass_id == Pass.id)
         .join(Measurement, AxleWheel.measurement_id == Measurement.id)
         .where(AxleWheel.id.in_(chosen))

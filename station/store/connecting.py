@@ -6,6 +6,7 @@ until it has written.  A check and the change that rests on it can so not be dri
 
 from typing import Any
 
+from pydantic_core import from_json
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
 from sqlalchemy.exc import ArgumentError
 
@@ -51,15 +52,16 @@ def open_engine(url: str) -> Engine:
         If the URL is of no database that the station works with.
     """
     parsed = database_url(url)
+    # Three times as fast as the standard library's, and lists and trends are made of it.
+    common = {"pool_size": 20, "max_overflow": 20, "json_deserializer": from_json}
     if parsed.get_backend_name() == "sqlite":
-        engine = create_engine(parsed, pool_size=20, max_overflow=20)
+        engine = create_engine(parsed, **common)
         event.listen(engine, "connect", _set_up_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
         return engine
     engine = create_engine(
         parsed,
-        pool_size=20,
-        max_overflow=20,
+        **common,
         pool_pre_ping=True,  # a server may have been started again meanwhile
         connect_args={
             "connect_timeout": 5,

@@ -46,6 +46,23 @@ def measured_recordings(session: Session) -> Sequence[Recording]:
     ).all()
 
 
+def failed_recordings(session: Session) -> Sequence[Recording]:
+    """Return the recordings of passes that failed and are still there, oldest first.
+
+    None that a calibration in force, or one that is being solved, was made from.
+    """
+    _, kept = _calibrated_from(session)
+    found = session.scalars(
+        select(Recording)
+        .join(Pass, Recording.pass_id == Pass.id)
+        .where(Pass.state == PassState.FAILED)
+        .where(Recording.closed_at.is_not(None))
+        .where(Recording.deleted_at.is_(None))
+        .order_by(Recording.opened_at, Recording.id)
+    )
+    return [row for row in found if row.id not in kept]
+
+
 def disposable_recordings(session: Session) -> Sequence[Recording]:
     """Return the recordings that may be deleted, oldest first.
 

@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import Self
 
 from sqlalchemy import Engine, text
+from sqlalchemy.exc import InterfaceError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
+from station.errors import StoreUnusable
 from station.store.connecting import looking, open_engine
 
 
@@ -31,14 +33,26 @@ class Store:
 
     @contextmanager
     def change(self) -> Generator[Session]:
-        """Hold the store for writing: all that happens in the block, or nothing."""
-        with self._change.begin() as session:
+        """Hold the store for writing: all that happens in the block, or nothing.
+
+        Raises
+        ------
+        StoreUnusable
+            If the database does not answer, or others hold it for 10 s.
+        """
+        with _reached(), self._change.begin() as session:
             yield session
 
     @contextmanager
     def look(self) -> Generator[Session]:
-        """Read the store as it is at one moment; writers are not held up."""
-        with self._look() as session:
+        """Read the store as it is at one moment; writers are not held up.
+
+        Raises
+        ------
+        StoreUnusable
+            If the database does not answer.
+        """
+        with _reached(), self._look() as session:
             yield session
 
     def ensure_answers(self) -> None:
@@ -49,3 +63,13 @@ class Store:
     def close(self) -> None:
         """Give the connections back."""
         self._engine.dispose()
+
+
+@contextmanager
+def _reached() -> Generator[None]:
+    """Say in one line that the database does not let anybody in, whatever its driver calls that."""
+    try:
+        yield
+    except (OperationalError, InterfaceError) as error:
+        why = " ".join(str(error.orig).split())
+        raise StoreUnusable(f"the store cannot be used now ({why}); try again") from error

@@ -19,6 +19,8 @@ class JobKind(StrEnum):
     MEASURE = "measure"
     RECALIBRATE = "recalibrate"
     MEASURE_AGAIN = "measure_again"
+    RETENTION = "retention"
+    COMPACT = "compact"
 
 
 def add_job(session: Session, job_id: str, kind: JobKind, subject: str, *, at: datetime) -> Job:

@@ -11,6 +11,7 @@ from sqlalchemy import Connection, event
 
 from station.errors import StationError
 from station.store.connecting import open_engine
+from station.store.integrity import file_of
 
 NEWEST = "head"
 EMPTY = "base"
@@ -92,7 +93,10 @@ def _ensure_references_hold(connection: Connection) -> None:
 
 
 def revision_of(url: str) -> str | None:
-    """Return the revision a database is at; None for an empty one."""
+    """Return the revision a database is at; None for an empty one, or a file that is not there."""
+    file = file_of(url)
+    if file is not None and not file.exists():
+        return None  # looking would make it
     engine = open_engine(url)
     try:
         with engine.connect() as connection:

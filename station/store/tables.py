@@ -132,6 +132,7 @@ class Recording(Table):
     recovered: Mapped[bool] = mapped_column(default=False)
     summary: Mapped[str | None] = mapped_column(Text)
     files: Mapped[int | None]  # a long recording goes on in a next one
+    compacted_at: Mapped[datetime | None]
     deleted_at: Mapped[datetime | None]
     deleted_why: Mapped[str | None] = mapped_column(Text)
     sha256: Mapped[str | None] = mapped_column(index=True)  # of one that was uploaded
@@ -271,6 +272,7 @@ class AxleWheel(Table):
     vehicle: Mapped[str | None]
     position: Mapped[str | None]
     jumps: Mapped[JsonObject]  # by quantity, against the wheelset's pass before
+    back_to_back: Mapped[JsonObject | None]  # of the axle; absent where no track was known
 
 
 class Job(Table):

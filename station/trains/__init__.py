@@ -1,10 +1,9 @@
 """The trains that pass: axles of what the sensors saw, their consist, and how wheels change."""
 
+from station.trains.alarms import AlarmKind, AxleAlarm
 from station.trains.consist import Consist, Named, Orientation, Wheelset
 from station.trains.keeping import keep_axles
 from station.trains.picture import (
-    AlarmKind,
-    AxleAlarm,
     AxlePicture,
     QuantityDifference,
     TrainPicture,

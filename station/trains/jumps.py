@@ -6,7 +6,7 @@ from sqlalchemy.orm import Session
 
 from measure import Jump, Limits, Placing, Quantity, jump_between
 from station.store import Appearance, AxleWheel, JsonObject, Measurement, Pass, history_of
-from station.trains.wheels import Seen, comparable, point_of
+from station.trains.wheels import Seen, comparable
 
 
 def jumps_of(
@@ -26,7 +26,8 @@ def jumps_of(
         return {}
     before = history_of(session, wheel.wheelset, side=wheel.wheelset_side, before=row)
     history = [Seen.of(each) for each in before]
-    now = Seen.of(Appearance(wheel, row, measured[wheel.measurement_id]))
+    own = measured[wheel.measurement_id]
+    now = Seen.of(Appearance(row.id, row.opened_at, own.reference, own.wheel))
     found = {quantity: jump_to(history, now, quantity, limits) for quantity in limits.of}
     return {
         quantity.value: {
@@ -45,14 +46,14 @@ def jump_to(
     history: Sequence[Seen], now: Seen, quantity: Quantity, limits: Limits
 ) -> tuple[Jump, str] | None:
     """Return the jump of a quantity, and since which pass; None where there is none."""
-    value = point_of(now, quantity)
+    value = now.points.get(quantity)
     limit = limits.of.get(quantity)
     if value is None or limit is None:
         return None
     for earlier in reversed(history):
-        before = point_of(earlier, quantity)
+        before = earlier.points.get(quantity)
         if before is None or not comparable(earlier, now, quantity):
             continue
         jump = jump_between(before, value, limit)
-        return None if jump is None else (jump, earlier.of_pass.id)
+        return None if jump is None else (jump, earlier.pass_id)
     return None

@@ -6,11 +6,14 @@ from itertools import groupby
 
 from sqlalchemy.orm import Session
 
-from measure import Axle, Placing, SeenWheel, Side, Track, assemble_train
+from measure import Axle, Limits, Placing, SeenWheel, Side, Track, assemble_train
+from station.back_to_back import back_to_back_of
+from station.documents import StandingDocument
 from station.limits import limits_of
-from station.settings import SensorSettings, StationSettings
+from station.settings import SensorSettings, StationSettings, TrackSettings
 from station.store import (
     AxleWheel,
+    JsonObject,
     Measurement,
     Pass,
     Recording,
@@ -42,8 +45,10 @@ def keep_axles(session: Session, row: Pass, settings: StationSettings) -> None:
         for side in Side
     ]
     limits = limits_of(settings.limits)
+    distances = _distances(axles, measured, settings.track, limits)
     for each in rows:
         each.jumps = jumps_of(session, row, each, measured, limits)
+        each.back_to_back = distances.get(each.place)
     replace_axles(session, row.id, rows)
 
 
@@ -138,6 +143,33 @@ def _row(
         position=None if wheelset is None else wheelset.position,
         jumps={},
     )
+
+
+def _distances(
+    axles: Sequence[Axle],
+    measured: Mapping[int, Measurement],
+    track: TrackSettings | None,
+    limits: Limits,
+) -> dict[int, JsonObject]:
+    """Return the back-to-back distance of each axle, by place; none where no track is known."""
+    if track is None:
+        return {}
+    return {
+        place: back_to_back_of(
+            _standing(axle, Side.LEFT, measured),
+            _standing(axle, Side.RIGHT, measured),
+            track,
+            limits,
+        ).model_dump(mode="json")
+        for place, axle in enumerate(axles, start=1)
+    }
+
+
+def _standing(
+    axle: Axle, side: Side, measured: Mapping[int, Measurement]
+) -> list[StandingDocument]:
+    kept = (measured[key].wheel.get("standing") for key in axle.wheel(side).keys)
+    return [StandingDocument.model_validate(each) for each in kept if each is not None]
 
 
 def _utc(time_s: float | None) -> datetime | None:

@@ -3,14 +3,12 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
-from enum import StrEnum
 from itertools import groupby
 
 from sqlalchemy.orm import Session
 
 from measure import (
     COMPARED,
-    Alarm,
     Difference,
     Placing,
     Quantity,
@@ -20,33 +18,11 @@ from measure import (
     difference,
     spread,
 )
+from station.back_to_back import NO_TRACK
 from station.store import AxleWheel, JsonObject, Measurement, Pass, axles_of
+from station.trains.alarms import AxleAlarm, axle_alarms, name_of, wheel_alarms
 from station.trains.consist import Consist
 from station.trains.wheels import readings_of
-
-
-class AlarmKind(StrEnum):
-    """What an alarm rests on: a value beyond its limit, or a change from one pass to the next."""
-
-    LIMIT = "limit"
-    JUMP = "jump"
-
-
-@dataclass(frozen=True, slots=True)
-class AxleAlarm:
-    """A reading that somebody is to look at."""
-
-    kind: AlarmKind
-    level: Alarm
-    quantity: Quantity
-    value: float
-    """The value, of a jump the change, mm."""
-    u95: float
-    place: int
-    number: int | None
-    side: Side
-    wheelset: str | None
-    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +67,8 @@ class AxlePicture:
     right: WheelPicture
     differences: Mapping[Quantity, QuantityDifference]
     """Left less right, where both were measured."""
+    back_to_back: JsonObject | None
+    """A `BackToBackDocument`; None where no track was known when the pass was measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +90,8 @@ class TrainPicture:
 
     counted: int | None
     remark: str | None
+    no_back_to_back: str | None = None
+    """Why no axle has a back-to-back distance though both sides were measured."""
     axles: tuple[AxlePicture, ...] = ()
     vehicles: tuple[VehicleSpread, ...] = ()
     alarms: tuple[AxleAlarm, ...] = ()
@@ -132,10 +112,17 @@ def train_picture(session: Session, row: Pass, found: Sequence[Measurement]) -> 
     return TrainPicture(
         counted=row.axles,
         remark=None if consist is None else consist.misfit(row.axles),
+        no_back_to_back=_no_back_to_back(wheels),
         axles=tuple(_axle(list(pair)) for _, pair in groupby(wheels, key=_place)),
         vehicles=tuple(_vehicles(wheels)),
         alarms=tuple(alarm for wheel in wheels for alarm in _alarms(wheel)),
     )
+
+
+def _no_back_to_back(wheels: Sequence[_Wheel]) -> str | None:
+    sides = {wheel.row.side for wheel in wheels if wheel.measurement is not None}
+    known = any(wheel.row.back_to_back is not None for wheel in wheels)
+    return None if known or len(sides) < len(Side) else NO_TRACK
 
 
 def _place(wheel: _Wheel) -> int:
@@ -169,6 +156,7 @@ def _axle(pair: Sequence[_Wheel]) -> AxlePicture:
         differences={
             quantity: QuantityDifference.of(one) for quantity, one in found.items() if one
         },
+        back_to_back=row.back_to_back,
     )
 
 
@@ -199,54 +187,13 @@ def _vehicles(wheels: Sequence[_Wheel]) -> Iterable[VehicleSpread]:
                     value=found.difference.value_mm,
                     u95=found.difference.u95_mm,
                     status=found.difference.status,
-                    greatest=_name(own[found.greatest].row),
-                    smallest=_name(own[found.smallest].row),
+                    greatest=name_of(own[found.greatest].row),
+                    smallest=name_of(own[found.smallest].row),
                 )
 
 
-def _name(row: AxleWheel) -> str:
-    axle = f"axle {row.number}" if row.number is not None else f"row {row.place}"
-    return f"{axle} {row.side}"
-
-
 def _alarms(wheel: _Wheel) -> Iterable[AxleAlarm]:
-    for quantity, reading in wheel.readings.items():
-        raised = reading.alarm in {Alarm.WARNING, Alarm.ALARM}
-        if raised and reading.value is not None and reading.u95 is not None:
-            regime = wheel.measurement.regime if wheel.measurement is not None else None
-            text = (
-                f"{_name(wheel.row)}: {quantity} {reading.value:.2f} ± {reading.u95:.2f} mm is "
-                f"{'beyond' if reading.alarm is Alarm.ALARM else 'near'} its limit"
-                f"{f' ({regime})' if regime else ''}"
-            )
-            yield _alarm(wheel, AlarmKind.LIMIT, reading.alarm, quantity, reading, text)
-    for name, jump in wheel.row.jumps.items():
-        change = Reading(jump["change"], jump["u95"], Status.OK, Alarm.ALARM)
-        text = (
-            f"{_name(wheel.row)}: {name} changed by {jump['change']:+.2f} ± {jump['u95']:.2f} mm "
-            f"since pass {jump['before']} (limit {jump['limit']:g}): a damaged or newly turned "
-            "wheel, or a consist that mixes wheelsets up"
-        )
-        yield _alarm(wheel, AlarmKind.JUMP, Alarm.ALARM, Quantity(name), change, text)
-
-
-def _alarm(
-    wheel: _Wheel,
-    kind: AlarmKind,
-    level: Alarm,
-    quantity: Quantity,
-    reading: Reading,
-    text: str,
-) -> AxleAlarm:
-    return AxleAlarm(
-        kind=kind,
-        level=level,
-        quantity=quantity,
-        value=reading.value or 0.0,
-        u95=reading.u95 or 0.0,
-        place=wheel.row.place,
-        number=wheel.row.number,
-        side=wheel.row.side,
-        wheelset=wheel.row.wheelset,
-        text=text,
-    )
+    regime = None if wheel.measurement is None else wheel.measurement.regime
+    if wheel.row.side is Side.LEFT:
+        yield from axle_alarms(wheel.row, regime)
+    yield from wheel_alarms(wheel.row, wheel.readings, regime)

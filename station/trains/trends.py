@@ -10,7 +10,7 @@ from measure import Alarm, Limits, Quantity, Rate, Side, Status, TrendPoint, fit
 from station.errors import NotFound
 from station.store import history_of
 from station.trains.jumps import jump_to
-from station.trains.wheels import Seen, point_of
+from station.trains.wheels import Seen
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ def _quantity(history: Sequence[Seen], quantity: Quantity, limits: Limits) -> Qu
     values: list[TrendValue] = []
     points: list[TrendPoint] = []
     for place, seen in enumerate(history):
-        point = point_of(seen, quantity)
+        point = seen.points.get(quantity)
         if point is None:
             continue
         jump = jump_to(history[:place], seen, quantity, limits)
@@ -104,8 +104,8 @@ def _quantity(history: Sequence[Seen], quantity: Quantity, limits: Limits) -> Qu
 def _value(seen: Seen, quantity: Quantity, jump_mm: float | None) -> TrendValue:
     reading = seen.readings[quantity]
     return TrendValue(
-        pass_id=seen.of_pass.id,
-        at=seen.of_pass.opened_at,
+        pass_id=seen.pass_id,
+        at=seen.at,
         value=reading.value or 0.0,
         u95=reading.u95 or 0.0,
         status=reading.status,

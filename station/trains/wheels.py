@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Self
 
-from measure import Quantity, Reading, TrendPoint
-from station.documents import ReadingDocument
-from station.store import Appearance, Measurement, Pass
+from measure import Alarm, Quantity, Reading, Status, TrendPoint
+from station.store import Appearance, JsonObject, Measurement
 
 _DAY_S = 86_400.0
 
@@ -15,27 +15,41 @@ _DAY_S = 86_400.0
 class Seen:
     """A wheel of a wheelset in one pass: what was read, against which reference."""
 
-    of_pass: Pass
+    pass_id: str
+    at: datetime
     reference: str
     readings: Mapping[Quantity, Reading]
+    points: Mapping[Quantity, TrendPoint]
+    """Of the quantities that were measured."""
 
     @classmethod
-    def of(cls, appearance: Appearance) -> Self:
+    def of(cls, found: Appearance) -> Self:
         """Take the readings out of the store's row, once for all that is made of them."""
-        row = appearance.measurement
-        return cls(appearance.of_pass, row.reference, readings_of(row))
+        readings = _readings_in(found.wheel)
+        day = found.opened_at.timestamp() / _DAY_S
+        points = {
+            quantity: TrendPoint(day, reading.value, reading.u95)
+            for quantity, reading in readings.items()
+            if reading.value is not None and reading.u95
+        }
+        return cls(found.pass_id, found.opened_at, found.reference, readings, points)
 
 
 def readings_of(row: Measurement) -> dict[Quantity, Reading]:
     """Return every quantity of a measured wheel; missing where the row has none."""
-    return {quantity: _reading(row.wheel.get(quantity.value)) for quantity in Quantity}
+    return _readings_in(row.wheel)
 
 
-def _reading(kept: object) -> Reading:
+def _readings_in(wheel: JsonObject) -> dict[Quantity, Reading]:
+    return {quantity: _reading(wheel.get(quantity.value)) for quantity in Quantity}
+
+
+def _reading(kept: JsonObject | None) -> Reading:
+    # Not through its document: what the store has was checked when it was written, and a trend
+    # reads thousands.
     if kept is None:
         return Reading.missing()
-    one = ReadingDocument.model_validate(kept)
-    return Reading(one.value, one.u95, one.status, one.alarm)
+    return Reading(kept["value"], kept["u95"], Status(kept["status"]), Alarm(kept["alarm"]))
 
 
 def surest(rows: Sequence[Measurement]) -> Measurement | None:
@@ -46,14 +60,6 @@ def surest(rows: Sequence[Measurement]) -> Measurement | None:
         return -len(sure), sum(sure), row.id
 
     return min(rows, key=doubt, default=None)
-
-
-def point_of(seen: Seen, quantity: Quantity) -> TrendPoint | None:
-    """Return a wheel's value in one pass; None where it was not measured there."""
-    reading = seen.readings[quantity]
-    if reading.value is None or not reading.u95:
-        return None
-    return TrendPoint(seen.of_pass.opened_at.timestamp() / _DAY_S, reading.value, reading.u95)
 
 
 def comparable(one: Seen, other: Seen, quantity: Quantity) -> bool:

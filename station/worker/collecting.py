@@ -1,6 +1,6 @@
 """What a recalibration is made from: new calibration sessions, or one that the station takes."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
@@ -90,7 +90,7 @@ def _of_newest_target(shown: Sequence[Shown]) -> list[Shown]:
 
 def _of_sessions(session: Session, sensor: str) -> list[Shown]:
     """Return the recordings of a sensor's finished calibration sessions, oldest first."""
-    rows: Iterable[tuple[Recording, CalibrationSession]] = session.execute(
+    rows = session.execute(
         select(Recording, CalibrationSession)
         .join(CalibrationSession, Recording.session_id == CalibrationSession.id)
         .where(Recording.sensor == sensor)
@@ -98,7 +98,7 @@ def _of_sessions(session: Session, sensor: str) -> list[Shown]:
         .where(Recording.recorded > 0)
         .where(Recording.deleted_at.is_(None))
         .order_by(Recording.opened_at, Recording.id)
-    ).tuples()
+    )
     return [
         Shown(recording, (owner.targets or {}).get(sensor, owner.target), owner.id)
         for recording, owner in rows

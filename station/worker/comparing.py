@@ -1,28 +1,51 @@
 """From calibration files to the figures a decision rests on."""
 
+from collections.abc import Callable
 from datetime import datetime
 
 import numpy as np
 
-from calib import CameraMismatch, FloatArray, LaserSensor, compare_sensors
+from calib import (
+    CameraMismatch,
+    FloatArray,
+    LaserSensor,
+    SheetComparison,
+    compare_sensors,
+    compare_sheets,
+    compare_update,
+)
 from station.documents import CalibrationDocument
 from station.pipeline import working_pixels
 from station.recalibration import Difference, NewCalibration
 
 _NOWHERE = float("nan")
+_Compare = Callable[[LaserSensor, LaserSensor, FloatArray], SheetComparison]
 
 
-def difference_of(present: CalibrationDocument, new: CalibrationDocument) -> Difference:
-    """Return how far two calibrations of a sensor differ over what either of them has seen.
+def sheet_difference(present: CalibrationDocument, new: CalibrationDocument) -> Difference:
+    """Return how far the sheet has moved, seen through the camera of the calibration in force."""
+    return _difference(present, new, compare_sheets)
 
-    Both count as independent. Where they share what is known of the camera, they scatter less than
-    is expected of them: a drift then shows later, and there is no alarm too many.
+
+def whole_difference(
+    present: CalibrationDocument, new: CalibrationDocument, *, camera_kept: bool
+) -> Difference:
+    """Return how far two calibrations differ, the cameras included.
+
+    `camera_kept` says that the new one was solved with the camera of the other as its prior;
+    without, they count as independent.
     """
+    return _difference(present, new, compare_update if camera_kept else compare_sensors)
+
+
+def _difference(
+    present: CalibrationDocument, new: CalibrationDocument, compare: _Compare
+) -> Difference:
     pixels = working_pixels([present, new])
     one, other = present.laser_sensor(), new.laser_sensor()
     sigmas = (_sheet_sigma_mm(one, pixels), _sheet_sigma_mm(other, pixels))
     try:
-        found = compare_sensors(one, other, pixels)
+        found = compare(one, other, pixels)
     except CameraMismatch:
         return Difference(_NOWHERE, _NOWHERE, (_NOWHERE, _NOWHERE), _NOWHERE, *sigmas)
     if not np.isfinite(found.difference_mm).any():

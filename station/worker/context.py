@@ -6,7 +6,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Protocol
 
-from calib import Method, Target
+from calib import CameraModel, Method, Target
 from measure import Limits
 from station.documents import CalibrationDocument, MeasurementDocument, RigDocument
 from station.operations import Capture, DataLayout, utc_now
@@ -29,6 +29,7 @@ class CalibrateSources(Protocol):
         laser_off: Sequence[Path],
         mounting: MountingSettings | None,
         progress: Progress,
+        camera: CameraModel | None = None,
     ) -> CalibrationOutcome: ...
 
 

@@ -1,8 +1,10 @@
 """Putting together what a decision rests on, from the store."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import asdict
 from datetime import datetime
+from typing import Any
 
 from sqlalchemy.orm import Session
 
@@ -11,7 +13,7 @@ from station.documents import CalibrationDocument
 from station.operations import last_good_check
 from station.recalibration import Difference, Evidence, Outcome, PieceFindings, largest_ratio
 from station.store import Calibration, Recalibration, active, decided_against, the
-from station.worker.comparing import difference_of, soundness_of
+from station.worker.comparing import sheet_difference, soundness_of, whole_difference
 from station.worker.context import WorkContext
 from station.worker.quiet import Quiet
 
@@ -26,12 +28,17 @@ def note_comparison(context: WorkContext, row: Recalibration, quiet: Quiet) -> N
     with context.store.look() as session:
         new, present = (_document(session, name) for name in (row.calibration_id, row.present_id))
         earlier = [_document(session, name) for name in _drifts(session, row)]
-    ratio = largest_ratio(context.settings.recalibration.gates.false_alarm)
-    confirmed = _agreeing(new, earlier, ratio)
-    difference = difference_of(present, new)
+    settings = context.settings.recalibration
+    ratio = largest_ratio(settings.gates.false_alarm)
+    compared = {
+        "sheet": _kept(sheet_difference(present, new)),
+        "whole": _kept(
+            whole_difference(present, new, camera_kept=settings.of(row.sensor).camera == "in_force")
+        ),
+        "confirmed": _agreeing(new, earlier, ratio),
+    }
     with context.store.change() as session:
         found = the(session, Recalibration, row.id)
-        compared = {"difference": asdict(difference), "confirmed": confirmed}
         found.findings = {**found.findings, **compared}
 
 
@@ -41,7 +48,7 @@ def _agreeing(
     """Count those, from the newest back, that differ from the new one by their scatter alone."""
     count = 0
     for each in earlier:
-        apart = difference_of(each, new)
+        apart = sheet_difference(each, new)
         if not apart.rms_mm <= ratio * apart.expected_mm:
             break
         count += 1
@@ -83,7 +90,8 @@ def evidence_of(context: WorkContext, row: Recalibration) -> Evidence:
     return Evidence(
         new=None if new is None else soundness_of(new, pictures_at=taken_at, now=now),
         unsolved=findings.get("unsolved"),
-        difference=_difference(findings.get("difference")),
+        sheet=_difference(findings.get("sheet")),
+        whole=_difference(findings.get("whole")),
         piece=_piece(context, row),
         present_age_days=None if present is None else _days(present.created_at, now),
         unchecked_days=None if checked_at is None else _days(checked_at, now),
@@ -92,8 +100,25 @@ def evidence_of(context: WorkContext, row: Recalibration) -> Evidence:
     )
 
 
-def _difference(kept: dict[str, object] | None) -> Difference | None:
-    return None if kept is None else Difference(**kept)  # type: ignore[arg-type]  # as `asdict` made it
+def _kept(difference: Difference) -> dict[str, object]:
+    """Return a comparison as JSON has it: no database takes a NaN in it."""
+    told = {**asdict(difference), "largest_at_px": None}
+    if math.isfinite(difference.rms_mm):
+        told["largest_at_px"] = list(difference.largest_at_px)
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        for name, value in told.items()
+    }
+
+
+def _difference(kept: dict[str, Any] | None) -> Difference | None:
+    if kept is None:
+        return None
+    told: dict[str, Any] = {
+        name: math.nan if value is None else value for name, value in kept.items()
+    }
+    u, v = kept["largest_at_px"] or (math.nan, math.nan)
+    return Difference(**{**told, "largest_at_px": (u, v)})
 
 
 def _piece(context: WorkContext, row: Recalibration) -> PieceFindings:

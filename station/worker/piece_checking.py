@@ -19,6 +19,8 @@ from station.store import (
 from station.worker.context import WorkContext
 from station.worker.quiet import Quiet
 
+_CALIBRATION = {"by_new": "new calibration", "by_present": "calibration in force"}
+
 
 def check_piece_of(context: WorkContext, row: Recalibration, quiet: Quiet) -> None:
     """Check the piece with both calibrations, where there is one; keep the checks, once."""
@@ -32,9 +34,8 @@ def check_piece_of(context: WorkContext, row: Recalibration, quiet: Quiet) -> No
     except (CalibError, MeasureError, StationError) as error:
         _keep(context, row, {}, [f"the reference piece was not checked: {error}"])
         return
-    _keep(
-        context, row, checks, [f"piece by {name}: {each.reason}" for name, each in checks.items()]
-    )
+    told = [f"the piece by the {_CALIBRATION[by]}: {each.reason}" for by, each in checks.items()]
+    _keep(context, row, checks, told)
 
 
 def _check_both(

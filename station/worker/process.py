@@ -13,15 +13,15 @@ from station.capture import CaptureClient
 from station.operations import Capture, DataLayout
 from station.processes.stop_signal import StopSignal
 from station.settings import StationSettings
-from station.storage import tidy
 from station.store import Store
 from station.worker.context import Mathematics, WorkContext
+from station.worker.housekeeping import order_housekeeping
 from station.worker.lock import held
 from station.worker.scheduling import order_what_is_owed
 from station.worker.workflows import Workflows
 
 _SWEEP_S = 1.0
-_TIDY_S = 300.0
+_LOOK_AT_DISK_S = 300.0
 _PATIENCE_S = 10
 _log = structlog.get_logger()
 
@@ -47,27 +47,27 @@ def work(
     context = WorkContext(settings, store, layout, mathematics, captures=captures or {})
     workflows = Workflows(context)
     workflows.launch()
-    tidied_s = -math.inf
+    looked_s = -math.inf
     # Held only from here on: whoever asks whether the worker is ready asks for the lock.
     with held(layout.worker_lock, "a worker"):
         _log.info("worker ready")
         while not stop.is_set():
             workflows.take_in()
             order_what_is_owed(context)
-            if time.monotonic() - tidied_s >= _TIDY_S:
-                _tidy(context)
-                tidied_s = time.monotonic()
+            if time.monotonic() - looked_s >= _LOOK_AT_DISK_S:
+                _look_at_disk(context)
+                looked_s = time.monotonic()
             stop.wait(_SWEEP_S)
         workflows.stop(_PATIENCE_S)
     store.close()
 
 
-def _tidy(context: WorkContext) -> None:
-    """Delete what is to make way; a disk that refuses must not end the worker."""
+def _look_at_disk(context: WorkContext) -> None:
+    """Order what the disk needs; one that refuses must not end the worker."""
     try:
-        tidy(context.store, context.layout.root, context.settings.storage, context.now())
+        order_housekeeping(context)
     except OSError as error:
-        _log.warning("disk not tidied", why=str(error))
+        _log.warning("disk not looked at", why=str(error))
 
 
 def run_worker(settings: StationSettings, sockets: Mapping[str, Path]) -> None:

@@ -1,6 +1,7 @@
 """Solving the new calibration of a recalibration."""
 
-from calib import CalibError, Method, Target
+from calib import CalibError, CameraModel, Method, Target
+from station.documents import CalibrationDocument
 from station.errors import InputUnusable, RecordingUnreadable
 from station.pipeline import CalibrationOutcome
 from station.store import (
@@ -42,7 +43,17 @@ def _calibrate(context: WorkContext, row: Recalibration, quiet: Quiet) -> Calibr
         laser_off=(),
         mounting=None if sensor is None else sensor.mounting,
         progress=quiet,
+        camera=_camera_known(context, row),
     )
+
+
+def _camera_known(context: WorkContext, row: Recalibration) -> CameraModel | None:
+    """Return the camera of the calibration in force, with its covariance, as a prior."""
+    if context.settings.recalibration.of(row.sensor).camera == "solve" or row.present_id is None:
+        return None
+    with context.store.look() as session:
+        document = the(session, Calibration, row.present_id).document
+    return CalibrationDocument.model_validate_json(document or "").camera.model()
 
 
 def _keep(context: WorkContext, row: Recalibration, outcome: CalibrationOutcome) -> None:

@@ -14,6 +14,8 @@ from station.store import Job, JobKind, JobState, unfinished_jobs
 from station.worker.calibrating import calibrate, fail_calibration
 from station.worker.calibrating_rig import calibrate_rig, fail_rig_calibration
 from station.worker.context import WorkContext
+from station.worker.housekeeping import fail_housekeeping
+from station.worker.housekeeping_workflows import register_housekeeping
 from station.worker.measuring import (
     StepResult,
     begin_measuring,
@@ -35,6 +37,8 @@ _FAIL: dict[JobKind, Callable[[WorkContext, str, str], None]] = {
     JobKind.MEASURE: fail_measuring,
     JobKind.RECALIBRATE: fail_recalibration,
     JobKind.MEASURE_AGAIN: fail_measuring_again,
+    JobKind.RETENTION: fail_housekeeping,
+    JobKind.COMPACT: fail_housekeeping,
 }
 _log = structlog.get_logger()
 
@@ -132,4 +136,5 @@ def _register(context: WorkContext) -> dict[JobKind, Callable[[str], None]]:
         JobKind.CALIBRATE_RIG: calibrate_rig_workflow,
         JobKind.MEASURE: measure_workflow,
         **register_recalibrating(context, _MOST_ATTEMPTS),
+        **register_housekeeping(context, _MOST_ATTEMPTS),
     }

@@ -84,6 +84,19 @@ def test_user_who_may_not_install_is_told_what_root_must_type(checkout):
     assert "run as root once: apt-get install python3-venv python3-gi" in said(done)
 
 
+def test_only_the_tests_need_a_database_server(checkout):
+    absent = 'case "$*" in *postgresql) exit 1;; *) printf installed;; esac'
+    stand_in(checkout.parent / "bin" / "dpkg-query", absent)
+    stand_in(checkout / ".venv" / "bin" / "python", "")
+    assert prepare(checkout, "run").returncode == 0
+    (checkout.parent / "bin" / "id").unlink()
+    stand_in(checkout.parent / "bin" / "id", "echo 1000")
+    stand_in(checkout.parent / "bin" / "apt-get", "exit 1")
+    done = prepare(checkout, "test")
+    assert done.returncode == 2
+    assert said(done).endswith("run as root once: apt-get install postgresql")
+
+
 def test_pip_that_reaches_no_index_is_one_clear_line(checkout):
     all_debian_packages_are_there(checkout)
     stand_in(

@@ -20,13 +20,14 @@ from station.scenes import WheelRig, WheelTruth
 
 NEW_YEAR = datetime(2026, 1, 1, tzinfo=UTC)
 TRUTH = WheelRig.trackside("left")
+RIGHT = WheelRig.trackside("right", prefix="right-")
 INNER, OUTER = "inner", "outer"
 RIG_WHEEL = WheelTruth("S1002", tread_wear_mm=2.5, flange_wear_mm=1.5)
 TRIGGERS_APART_NS = 300_000
 
 
-def calibration_of(name, *, with_mounting=True):
-    placed = TRUTH.exact[name]
+def calibration_of(name, *, with_mounting=True, truth=TRUTH):
+    placed = truth.exact[name]
     a, b, c, d = placed.sensor.plane.coefficients.tolist()
     pose = placed.rig_from_camera
     mounting = MountingDocument(
@@ -51,9 +52,9 @@ def calibration_of(name, *, with_mounting=True):
     )
 
 
-def true_rig(**said):
+def true_rig(*, truth=TRUTH, **said):
     """Return the rig as a calibration without error finds it."""
-    prints = {name: calibration_of(name).fingerprint for name in TRUTH.exact.names}
+    prints = {name: calibration_of(name, truth=truth).fingerprint for name in truth.exact.names}
     known = {
         "rig": "wheel",
         "side": "left",
@@ -61,8 +62,8 @@ def true_rig(**said):
         "software": "none",
         "method": "boards",
         "anchor": INNER,
-        "sensors": sensors_of(TRUTH.exact, prints),
-        "covariance": TRUTH.exact.covariance.tolist(),
+        "sensors": sensors_of(truth.exact, prints),
+        "covariance": truth.exact.covariance.tolist(),
         "survey": SurveyDocument(),
         "rms": RmsDocument(dots_px=0.0, stripe_px=0.0),
         "quality": {},
@@ -72,9 +73,16 @@ def true_rig(**said):
     return RigDocument(**known | said)
 
 
-def shots_of(wheel, offsets_mm, rng, *, seed):
+def true_right_rig():
+    return true_rig(truth=RIGHT, rig="right-wheel", side="right", anchor=f"right-{INNER}")
+
+
+def shots_of(wheel, offsets_mm, rng, *, seed, truth=TRUTH, lateral_shift_mm=0.0):
     """Return the pictures of both sensors of a wheel that rolls through the light."""
-    scenes = [TRUTH.shot(wheel, axle_offset_mm=offset, seed=seed) for offset in offsets_mm]
+    scenes = [
+        truth.shot(wheel, axle_offset_mm=offset, lateral_shift_mm=lateral_shift_mm, seed=seed)
+        for offset in offsets_mm
+    ]
     return [{name: scene.render(rng) for name, scene in shot.items()} for shot in scenes]
 
 

@@ -1,10 +1,12 @@
 """Shows how the settings file is read and refused."""
 
+import numpy as np
 import pytest
 
-from measure import PRESETS, Limit, Limits, Quantity
+from measure import BACK_TO_BACK_TSI, PRESETS, Alarm, Limit, Limits, Quantity
 from station.errors import InputUnusable
 from station.limits import limits_of
+from station.operations import DataLayout
 from station.settings import MountingSettings, SensorSettings, load_settings
 
 GOOD = """
@@ -165,6 +167,75 @@ def test_a_limit_given_takes_the_place_of_the_presets_and_the_name_says_so(read)
     assert limits.of[Quantity.FLANGE_HEIGHT] == untouched
     named = read(given.replace("[limits]", '[limits]\nregime = "depot 7"')).limits
     assert limits_of(named).regime == "depot 7"
+
+
+def test_the_store_is_a_file_unless_a_url_says_otherwise_and_no_print_shows_its_password(
+    read, monkeypatch
+):
+    sensors = '[[sensors]]\nid = "left"\naddress = "127.0.0.2"\n'
+    assert DataLayout.of(read(f'data_dir = "d"\n{sensors}')).store_url.endswith("station.sqlite")
+    monkeypatch.setenv("STATION_STORE_URL", "postgresql://me:secret@host/station")
+    settings = read(f'data_dir = "d"\n{sensors}')
+    layout = DataLayout.of(settings)
+    assert layout.store_url == "postgresql://me:secret@host/station"
+    assert "secret" not in repr(settings) + repr(layout)
+
+
+TRACK = "[track]\nsigma_distance_mm = 0.2\nsigma_turn_rad = 2e-4\n"
+
+
+def test_a_track_by_one_distance_has_rigs_that_face_each_other(read):
+    track = read(GOOD + TRACK + "distance_mm = 1500\n").track
+    frame = track.frame()
+    np.testing.assert_allclose(frame.right_from_left.translation_mm, [0.0, -1500.0, 0.0])
+    np.testing.assert_allclose(np.sqrt(np.diag(frame.covariance)), [2e-4] * 3 + [0.0, 0.2, 0.0])
+    assert (track.max_skew_us, track.fewest_pairs) == (5000.0, 2)
+    assert read(GOOD).track is None
+
+
+def test_a_track_by_a_whole_pose_is_that_pose(read):
+    pose = "rotation_vector = [0, 0, 3.14159]\ntranslation_mm = [12, -1498.5, 3]\n"
+    frame = read(GOOD + TRACK + pose).track.frame()
+    np.testing.assert_allclose(frame.right_from_left.translation_mm, [12.0, -1498.5, 3.0])
+    np.testing.assert_allclose(np.sqrt(np.diag(frame.covariance)), [2e-4] * 3 + [0.2] * 3)
+
+
+@pytest.mark.parametrize(
+    ("said", "says"),
+    [
+        ("", "give distance_mm, or rotation_vector and translation_mm"),
+        ("translation_mm = [0, -1500, 0]\n", "give distance_mm, or rotation_vector and"),
+        (
+            "distance_mm = 1500\nrotation_vector = [0, 0, 3.14159]\ntranslation_mm = [0, 0, 0]\n",
+            "the one or the other",
+        ),
+        ("distance_mm = 1.5\n", "track.distance_mm: Input should be greater than 500"),
+        (
+            "rotation_vector = [0, 0, 0]\ntranslation_mm = [0, -1500, 0]\n",
+            "must turn rig y about",
+        ),
+        ("rotation_vector = [0, 0, 3.14159]\ntranslation_mm = [0, -inf, 0]\n", "finite"),
+        ("distance_mm = 1500\nfewest_pairs = 0\n", "track.fewest_pairs: Input should be"),
+    ],
+)
+def test_a_track_that_says_nothing_or_too_much_is_refused(read, said, says):
+    with pytest.raises(InputUnusable) as refusal:
+        read(GOOD + TRACK + said)
+    assert says in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_limits_of_the_back_to_back_distance_are_the_regimes_or_those_given(read):
+    of_practice = limits_of(read(GOOD).limits)
+    assert of_practice.back_to_back == BACK_TO_BACK_TSI
+    assert of_practice.judge_back_to_back(1356.9, 0.1) is Alarm.ALARM
+    given = limits_of(read(GOOD + "[limits.back_to_back]\nlow = 1350\nhigh = 1356\n").limits)
+    assert given.regime == "practice, changed"
+    # Neither end is the worn one: only what the interval reaches over is a warning.
+    alarms = [given.judge_back_to_back(value, 0.1) for value in (1350.2, 1355.8, 1355.95, 1356.1)]
+    assert alarms == [Alarm.NONE, Alarm.NONE, Alarm.WARNING, Alarm.ALARM]
+    nothing = limits_of(read(GOOD + '[limits]\npreset = "china_freight"\n').limits)
+    assert nothing.judge_back_to_back(1300.0, 0.1) is Alarm.NONE
 
 
 def test_a_missing_file_is_refused_with_what_to_give(tmp_path):

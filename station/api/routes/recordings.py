@@ -4,7 +4,8 @@ import re
 from datetime import UTC, datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi.responses import FileResponse
 
 from station.api.actors import By
 from station.api.answers import RecordingModel, RecordingsPage
@@ -13,6 +14,7 @@ from station.api.parts import PartsOf
 from station.api.receiving import receive_upload
 from station.api.requests import Limit, RecordingInPath
 from station.errors import InputUnusable
+from station.operations import recording_file
 from station.store import Recording, recordings_page, the
 
 router = APIRouter(prefix="/v1/recordings", tags=["recordings"])
@@ -55,6 +57,25 @@ def get_recording(recording_id: RecordingInPath, parts: PartsOf, _: Reader) -> R
     """Return one recording and how its frames add up."""
     with parts.station.store.look() as session:
         return RecordingModel.of(the(session, Recording, recording_id))
+
+
+@router.get(
+    "/{recording_id}/files/{number}",
+    response_class=FileResponse,
+    responses={200: {"content": {"application/octet-stream": {}}}},
+)
+def get_file(
+    recording_id: RecordingInPath,
+    number: Annotated[int, Path(ge=1, le=100_000, description="From 1 to `files`.")],
+    parts: PartsOf,
+    _: Reader,
+) -> FileResponse:
+    """Return a file of a recording (MCAP), or the part of it that a Range header names."""
+    return FileResponse(
+        recording_file(parts.station, recording_id, number),
+        media_type="application/octet-stream",
+        filename=f"{recording_id}.{number}.mcap",
+    )
 
 
 @router.post(

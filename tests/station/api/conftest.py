@@ -103,10 +103,11 @@ SENSORS = (
 class Served:
     """A station whose API is served, and what is needed to play with it."""
 
-    def __init__(self, root: Path, empty_store: Path, *, sensors=SENSORS, rigs=()) -> None:
-        self.settings = StationSettings(data_dir=root, sensors=sensors, rigs=rigs)
-        self.layout = DataLayout(root)
-        shutil.copy(empty_store, root / "station.sqlite")
+    def __init__(self, root: Path, empty_store: Path, *, sensors=SENSORS, **settings) -> None:
+        self.settings = StationSettings(data_dir=root, sensors=sensors, **settings)
+        self.layout = DataLayout.of(self.settings)
+        if self.settings.store_url is None:
+            shutil.copy(empty_store, root / "station.sqlite")
         self.store = Store.open(self.layout.store_url)
         self.captures = {sensor.id: FakeCapture() for sensor in self.settings.sensors}
         self.queue = FakeQueue()
@@ -163,7 +164,7 @@ def empty_store(tmp_path_factory):
 
 @pytest.fixture
 def served(request, tmp_path, empty_store):
-    """Serve a station; what a test gives as parameter is put in place of its sensors and rigs."""
+    """Serve a station; what a test gives as parameter is put in place of its settings."""
     served = Served(tmp_path, empty_store, **getattr(request, "param", {}))
     yield served
     served.close()

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from structlog.testing import capture_logs
 
+from station.errors import DiskFull
 from station.recording import RecordingWriter, RotatingWriter, Rotation, frames, is_compact
 from station.settings import StorageSettings
-from station.storage import compact_measured, tidy
+from station.storage import compact_recording, due_for_compacting, tidy
 from station.storage.tidying import files_of_recording
 from station.store import (
     Activation,
@@ -228,27 +229,49 @@ def test_calibration_that_came_into_force_meanwhile_keeps_its_recording(kept, mo
     assert kept.left() == {"s1.mcap"}
 
 
-def test_measured_recordings_are_compacted_and_no_others(kept):
+def test_measured_recordings_are_to_be_compacted_and_no_others(kept):
     kept.of_pass("p1")
     kept.of_pass("p2", measured=False)
     kept.of_session("s1")
     kept.calibration("c1", "s1")
-    done = compact_measured(kept.store, kept.root)
+    assert due_for_compacting(kept.store, NOW) == ["p1"]
+    assert due_for_compacting(kept.store, NOW - timedelta(days=365)) == []
+    done = compact_recording(kept.store, kept.root, "p1", NOW)
     assert [report.path.name for report in done.compacted] == ["p1.mcap"]
     assert is_compact(kept.root / "recordings" / "p1.mcap")
-    assert not is_compact(kept.root / "recordings" / "s1.mcap")
     assert len(list(frames(kept.root / "recordings" / "p1.mcap"))) == 2
-    again = compact_measured(kept.store, kept.root)
+    assert due_for_compacting(kept.store, NOW) == []
+    again = compact_recording(kept.store, kept.root, "p1", NOW)
     assert (again.compacted, again.left) == ((), ())
 
 
-def test_damaged_recording_does_not_keep_others_from_being_compacted(kept):
-    for name in ("p1", "p2"):
-        kept.of_pass(name)
+def test_damaged_recording_stays_and_says_why(kept):
+    kept.of_pass("p1")
     (kept.root / "recordings" / "p1.mcap").write_bytes(b"no recording")
-    done = compact_measured(kept.store, kept.root)
-    assert [report.path.name for report in done.compacted] == ["p2.mcap"]
+    done = compact_recording(kept.store, kept.root, "p1", NOW)
     assert "not MCAP" in done.left[0]
+
+
+def test_recording_for_which_there_is_no_space_is_left_for_later(kept, monkeypatch):
+    import station.storage.compacting as compacting  # noqa: PLC0415  beside its only use
+
+    def refuse(_path):
+        raise DiskFull("no space")
+
+    kept.of_pass("p1")
+    monkeypatch.setattr(compacting, "compact", refuse)
+    with pytest.raises(DiskFull):
+        compact_recording(kept.store, kept.root, "p1", NOW)
+    assert due_for_compacting(kept.store, NOW) == ["p1"]
+
+
+def test_failed_pass_goes_by_its_own_limit_and_by_no_other(kept):
+    kept.of_pass("p1", PassState.FAILED)
+    kept.of_pass("p2", PassState.FAILED)
+    kept.of_pass("p3")
+    assert kept.tidy(StorageSettings(keep_failed_days=98.5)) == ["p1"]
+    assert kept.tidy(StorageSettings(quota_gb=1e-9)) == ["p3"]
+    assert kept.left() == {"p2.mcap"}
 
 
 def test_unfinished_file_is_never_among_those_that_go(tmp_path):

@@ -120,10 +120,10 @@ def test_a_wheelset_is_followed_in_the_order_of_passing(any_store):
             replace_axles(session, name, [an_axle(row, measurement, placing=placing)])
     with any_store.look() as session:
         found = history_of(session, "w1", side=Side.LEFT)
-        assert [each.of_pass.id for each in found] == ["p1", "p3"]
+        assert [each.pass_id for each in found] == ["p1", "p3"]
         last = session.get(Pass, "p3")
-        assert [each.of_pass.id for each in history_of(session, "w1", before=last)] == ["p1"]
-        assert [each.of_pass.id for each in history_of(session, "w1", most=1)] == ["p3"]
+        assert [each.pass_id for each in history_of(session, "w1", before=last)] == ["p1"]
+        assert [each.pass_id for each in history_of(session, "w1", most=1)] == ["p3"]
         assert history_of(session, "w1", side=Side.RIGHT) == []
 
 

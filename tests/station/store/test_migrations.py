@@ -8,7 +8,9 @@ from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from sqlalchemy import inspect, text
 
+from station.bench.filled_store import Traffic, fill
 from station.errors import StationError
+from station.progress import silent
 from station.store import (
     EMPTY,
     Action,
@@ -93,6 +95,24 @@ def test_going_back_before_rigs_keeps_what_was_measured(any_url):
     migrate(any_url)
     assert _values(any_url, "SELECT rig_calibration_id FROM measurements") == [(None,)]
     assert differences(any_url) == []
+
+
+def test_every_step_back_and_forth_works_with_rows_in_every_table_of_trains(any_url):
+    migrate(any_url)
+    store = Store.open(any_url)
+    fill(store, Traffic(passes=2, axles=3), silent)
+    store.close()
+    revision = revision_of(any_url)
+    while revision is not None and revision > "0001":
+        revision = f"{int(revision) - 1:04}"
+        migrate(any_url, revision)
+        assert revision_of(any_url) == revision
+    assert _values(any_url, "SELECT count(*) FROM measurements") == [(12,)]
+    migrate(any_url)
+    assert _values(any_url, "SELECT count(*) FROM measurement_profiles") == [(12,)]
+    assert differences(any_url) == []
+    migrate(any_url, EMPTY)
+    assert revision_of(any_url) is None
 
 
 AT = "2026-07-01 12:00:00"

@@ -25,6 +25,7 @@ from station.store import (
     end,
     frame_totals,
     measurements_page,
+    profiles_of,
     recordings_page,
     report_progress,
     start,
@@ -91,6 +92,23 @@ def test_a_wheel_is_kept_once_per_recording_frame_and_calibration(filled):
         (2, "c2"),
     ]
     assert rows[1].wheel == {"frame": 2}
+
+
+def test_a_profile_is_kept_beside_its_measurement_and_once(filled):
+    profile = {"d_mm": [0.0, 70.0], "h_mm": [0.0, 0.1]}
+    with filled.change() as session:
+        with_profile, without = a_measurement(1), a_measurement(2)
+        with_profile.wheel = {"frame": 1, "profile": profile}
+        without.wheel = {"frame": 2, "profile": None}
+        assert add_measurements(session, [with_profile, without]) == 2
+    with filled.change() as session:
+        again = a_measurement(1)
+        again.wheel = {"frame": 1, "profile": {"d_mm": []}}
+        assert add_measurements(session, [again]) == 0
+    with filled.look() as session:
+        first, second = measurements_page(session, limit=10).rows
+        assert profiles_of(session, [first, second]) == {first.id: profile}
+    assert (first.wheel, second.wheel) == ({"frame": 1}, {"frame": 2})
 
 
 def test_pages_of_measurements_follow_each_other_without_gap_or_repeat(filled):

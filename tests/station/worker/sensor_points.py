@@ -82,5 +82,3 @@ def _on_sheet(sensor, pose):
     away = [end @ sensor.plane.normal_in_cam + sensor.plane.offset_mm for end in ends]
     share = (away[0] / (away[0] - away[1]))[:, None]
     return ends[0] + share * (ends[1] - ends[0])
-
-

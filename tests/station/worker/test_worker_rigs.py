@@ -80,6 +80,19 @@ def test_recordings_of_a_rig_are_one_step_and_each_wheel_is_one_row(ground, cont
     assert None not in {sides["left"].measurement_id, sides["right"].measurement_id}
 
 
+def test_an_axle_that_a_rig_did_not_see_was_missed_by_the_rig_not_by_each_of_its_sensors(
+    ground, context
+):
+    job = ground.order_measuring("p1", sensors=BOTH, rig=ground.bring_rig_into_force())
+    with ground.store.change() as session:
+        the(session, Pass, "p1").axles = WHEELS + 1
+    measure_all(context, job)
+    with ground.store.look() as session:
+        left = [each for each in axles_of(session, "p1") if each.side == "left"]
+    missed = "sensor wheel: no frame of this axle"
+    assert [each.reason for each in left] == [*[None] * WHEELS, missed]
+
+
 def test_a_rigs_step_done_again_after_a_crash_adds_nothing(ground, context):
     job = ground.order_measuring("p1", sensors=BOTH, rig=ground.bring_rig_into_force())
     (step,) = begin_measuring(context, job)

@@ -1,4 +1,4 @@
-"""The audit trail; and profiles of measured wheels in a table that lists and trends do not read."""
+"""The audit trail, profiles of wheels in a table that lists do not read, and what is compacted."""
 
 import sqlalchemy as sa
 from alembic import context, op
@@ -44,6 +44,8 @@ def upgrade() -> None:
     for statement in _MOVE_OUT_SQLITE if _on_sqlite() else _MOVE_OUT_POSTGRESQL:
         op.execute(statement)
     op.create_index(_WHEELSET_INDEX, "axle_wheels", ["wheelset", "measurement_id"])
+    with op.batch_alter_table("recordings") as table:
+        table.add_column(sa.Column("compacted_at", sa.DateTime(timezone=True)))
 
 
 def downgrade() -> None:
@@ -60,6 +62,8 @@ def downgrade() -> None:
             f"revision {down_revision} has no place for the audit trail, {entries} entries: "
             "back the store up, then say that they may be lost"
         )
+    with op.batch_alter_table("recordings") as table:
+        table.drop_column("compacted_at")
     op.drop_index(_WHEELSET_INDEX, "axle_wheels")
     op.execute(_PUT_BACK_SQLITE if _on_sqlite() else _PUT_BACK_POSTGRESQL)
     op.drop_table("measurement_profiles")

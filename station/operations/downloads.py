@@ -1,0 +1,30 @@
+"""Handing out the files of a recording: by its name and a number, never by a path."""
+
+from pathlib import Path
+
+from station.errors import NotFound, StateConflict
+from station.operations.collaborators import Station
+from station.storage import files_of_recording
+from station.store import Recording, the
+
+
+def recording_file(station: Station, recording_id: str, number: int) -> Path:
+    """Return the file of that number, from 1, of a recording.
+
+    Raises
+    ------
+    NotFound
+        If the station knows no such recording, or it has no such file.
+    StateConflict
+        If it is still being written, or was deleted.
+    """
+    with station.store.look() as session:
+        row = the(session, Recording, recording_id)
+    if row.closed_at is None:
+        raise StateConflict(f"recording {row.id} still runs; finish it, then fetch it")
+    if row.deleted_at is not None:
+        raise StateConflict(f"recording {row.id} was deleted on {row.deleted_at:%Y-%m-%d}")
+    files = files_of_recording(station.layout.root / row.path)
+    if not (1 <= number <= len(files)):
+        raise NotFound(f"recording {row.id} has {len(files)} files; there is no file {number}")
+    return files[number - 1]

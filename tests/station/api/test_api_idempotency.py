@@ -1,0 +1,123 @@
+"""Shows that a POST with an Idempotency-Key is done once however often it comes.  A call during
+which the API process dies is forgotten, and done again when it comes again: see `kept_answers`."""
+
+import threading
+from datetime import timedelta
+
+import pytest
+from test_api_calibration import SESSION, record_session
+
+from station.api import build_app
+from station.store import Calibration, KeptAnswer, Scope
+
+ORDER = {"sensor": "left", "session": "s1"}
+PLACE = "/v1/calibrations"
+
+
+def order(client, key, body=ORDER, place=PLACE):
+    return client.post(place, json=body, headers={"Idempotency-Key": key})
+
+
+def count(served, table):
+    with served.store.look() as session:
+        return session.query(table).count()
+
+
+def test_the_same_call_again_gets_the_same_answer_and_orders_nothing_more(served, call):
+    record_session(call)
+    first, again, quoted = order(call, "k1"), order(call, "k1"), order(call, '"k1"')
+    assert first.status_code == 202
+    for reply in (again, quoted):
+        assert (reply.status_code, reply.json()) == (202, first.json())
+        assert reply.headers["Location"] == first.headers["Location"]
+        assert reply.headers["Retry-After"] == first.headers["Retry-After"]
+        assert reply.headers["Idempotency-Replayed"] == "true"
+        assert reply.headers["X-Content-Type-Options"] == "nosniff"
+    assert "Idempotency-Replayed" not in first.headers
+    assert count(served, Calibration) == 1
+    assert len(served.queue.submitted) == 1
+    assert order(call, "k2").json()["id"] != first.json()["id"]
+
+
+def test_the_same_key_with_another_call_is_422(served, call):
+    record_session(call)
+    order(call, "k1")
+    for reply in (
+        order(call, "k1", {**ORDER, "method": "preplanar"}),
+        order(call, "k1", {}, f"{SESSION}/finish"),
+        call.post(f"{PLACE}?x=1", json=ORDER, headers={"Idempotency-Key": "k1"}),
+    ):
+        assert reply.status_code == 422
+        assert "another call" in reply.json()["detail"]
+    assert count(served, Calibration) == 1
+
+
+def test_a_call_that_is_being_answered_is_409(served, call):
+    record_session(call)
+    call.put("/v1/passes/p1", json={})
+    served.captures["left"].gate = threading.Event()
+    replies = []
+
+    def finish():
+        with served.client() as client:
+            replies.append(order(client, "k1", {"axles": 4}, "/v1/passes/p1/finish"))
+
+    first = threading.Thread(target=finish)
+    first.start()
+    while count(served, KeptAnswer) == 0:
+        assert first.is_alive()
+    reply = order(call, "k1", {"axles": 4}, "/v1/passes/p1/finish")
+    assert reply.status_code == 409
+    assert int(reply.headers["Retry-After"]) >= 1
+    served.captures["left"].gate.set()
+    first.join()
+    served.captures["left"].gate = None
+    again = order(call, "k1", {"axles": 4}, "/v1/passes/p1/finish")
+    assert (again.status_code, again.json()) == (200, replies[0].json())
+
+
+def test_a_refusal_is_not_kept_and_the_call_may_come_again_when_it_is_allowed(served, call):
+    call.put(SESSION, json={"sensor": "left", "target": "dots:7x8:12"})
+    assert order(call, "k1").status_code == 409
+    call.post(f"{SESSION}/capture")
+    call.post(f"{SESSION}/finish")
+    assert order(call, "k1").status_code == 202
+
+
+def test_keys_of_two_callers_are_two_keys(served, call):
+    record_session(call)
+    first = order(call, "k1").json()["id"]
+    with served.client(served.key(Scope.CALIBRATE)) as other:
+        assert order(other, "k1").json()["id"] != first
+
+
+def test_an_answer_is_forgotten_after_a_day(served, call):
+    record_session(call)
+    first = order(call, "k1").json()["id"]
+    with served.store.change() as session:
+        session.query(KeptAnswer).one().asked_at -= timedelta(hours=25)
+    assert order(call, "k1").json()["id"] != first
+
+
+def test_a_call_that_a_dead_api_process_took_may_be_made_again(served, call):
+    record_session(call)
+    order(call, "k1")
+    with served.store.change() as session:
+        session.query(KeptAnswer).one().status = None
+    assert order(call, "k1").status_code == 409
+    app = build_app(served.station, admin_key=None, worker_ready=lambda: True)
+    app.build_middleware_stack()
+    assert order(call, "k1").status_code == 202
+
+
+@pytest.mark.parametrize("key", ["", "a b", "x" * 256, "é".encode()])
+def test_a_key_in_no_form_is_refused_and_nothing_is_done(served, call, key):
+    record_session(call)
+    reply = call.post(PLACE, json=ORDER, headers={b"Idempotency-Key": key})
+    assert reply.status_code == 422
+    assert count(served, Calibration) == 0
+
+
+def test_without_a_key_every_call_is_a_new_one(served, call):
+    record_session(call)
+    assert call.post(PLACE, json=ORDER).json()["id"] != call.post(PLACE, json=ORDER).json()["id"]

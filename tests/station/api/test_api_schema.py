@@ -1,0 +1,53 @@
+"""Sends what the contract allows, and what it does not, to every operation: no answer is a failure
+of the station, and none breaks the contract.  That the refusals are the right ones is shown
+elsewhere."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ADMIN_KEY
+
+from station.api import contract
+
+TOOL = Path(sys.executable).with_name("schemathesis")
+# "Valid data was refused" is left out: a contract has no words for a target that does not parse, or
+# a sensor that this station does not have.
+LEFT_OUT = "positive_data_acceptance"
+# The tool tries bad keys with every operation, all from one address.
+PATIENT = pytest.mark.parametrize("served", [{"web": {"bad_keys": 1000}}], indirect=True)
+
+
+def attack(served, folder, *, examples, seed):
+    schema = folder / "contract.json"
+    schema.write_text(json.dumps(contract()))
+    return subprocess.run(
+        [
+            TOOL,
+            *("run", schema, "--url", served.url, "--header", f"Authorization: Bearer {ADMIN_KEY}"),
+            *("--exclude-checks", LEFT_OUT, "--phases", "coverage,fuzzing,stateful"),
+            *("--max-examples", str(examples), "--seed", str(seed)),
+            *("--continue-on-failure", "--no-color", "--warnings", "off", "--no-shrink"),
+        ],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@PATIENT
+def test_no_call_makes_the_station_fail_or_break_its_contract(served, tmp_path):
+    done = attack(served, tmp_path, examples=3, seed=7)
+    assert done.returncode == 0, done.stdout[-8000:]
+
+
+@PATIENT
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_no_call_of_many_makes_the_station_fail_or_break_its_contract(served, tmp_path, seed):
+    done = attack(served, tmp_path, examples=200, seed=seed)
+    assert done.returncode == 0, done.stdout[-8000:]
