@@ -73,6 +73,10 @@ class StationClient:
             after = page["next"]
         return wheels
 
+    def train(self, pass_id: str) -> Answer:
+        """Return the axles of a measured pass, in the order of passing."""
+        return self._call("GET", f"/v1/passes/{_part(pass_id)}/wheels")
+
     def await_pass(self, pass_id: str, *, timeout_s: float) -> Answer:
         """Wait until a pass is measured, and return it."""
         return self._await(f"/v1/passes/{_part(pass_id)}", timeout_s)

@@ -1,7 +1,7 @@
 """How far the station's answers are from the truth of the scenario."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,16 +128,16 @@ def working_field_px(sensor: LaserSensor) -> FloatArray:
     return np.asarray(pixels[at_work])
 
 
-def judge_wheels(truth: RigTruth, wheels: Sequence[WheelDocument]) -> list[WheelJudgement]:
-    """Hold the wheels of a rig, in the order they came by, against the true ones."""
+def judge_wheels(truth: RigTruth, wheels: Mapping[int, WheelDocument]) -> list[WheelJudgement]:
+    """Hold the wheels of a rig, by the numbers of their axles, against the true ones."""
     judged = []
-    for axle, true in enumerate(truth.wheels):
-        wheel = wheels[axle] if axle < len(wheels) else None
+    for axle, true in enumerate(truth.wheels, start=1):
+        wheel = wheels.get(axle)
         readings = wheel.readings if wheel is not None else {}
         judged.append(
             WheelJudgement(
                 rig=truth.id,
-                axle=axle + 1,
+                axle=axle,
                 read={q.value: readings[q].value if wheel else None for q in JUDGED},
                 u95={q.value: readings[q].u95 if wheel else None for q in JUDGED},
                 true={q.value: getattr(true.readings, q.value) for q in JUDGED},

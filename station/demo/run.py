@@ -235,13 +235,17 @@ def _wheels(
     calibrated: Mapping[str, Calibrated],
 ) -> list[WheelJudgement]:
     """Fetch and judge the wheels of the pass, and keep them beside their rigs."""
-    rows = client.wheels(PASS_ID)
+    rows = {row["id"]: row["wheel"] for row in client.wheels(PASS_ID)}
+    axles = client.train(PASS_ID)["axles"]
     judged = []
     for rig in scenario.rigs:
         document = calibrated[rig.id].rig
-        wheels = tuple(
-            WheelDocument.model_validate(row["wheel"]) for row in rows if row["sensor"] == rig.id
-        )
+        # By axle: on a busy machine triggers come late, and a wheel may be measured in two parts.
+        wheels = {
+            axle["number"]: WheelDocument.model_validate(rows[axle[rig.side]["measurement"]])
+            for axle in axles
+            if axle["number"] is not None and axle[rig.side]["measurement"] in rows
+        }
         results = MeasurementDocument(
             created=datetime.now(UTC),
             software=document.software,
@@ -249,7 +253,7 @@ def _wheels(
             calibrations=document.calibrations,
             rigs={rig.id: document.fingerprint},
             reference=REFERENCE,
-            wheels=wheels,
+            wheels=tuple(wheels[number] for number in sorted(wheels)),
         )
         document.write(folder / f"rig-{rig.id}.json")
         results.write(folder / f"results-{rig.id}.json")

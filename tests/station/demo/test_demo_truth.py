@@ -101,7 +101,7 @@ def test_parts_of_a_profile_are_told_by_sensor(truth):
             "seen_by": (inner + 2 * outer).tolist(),
         },
     })
-    first, *others = judge_wheels(truth, [wheel])
+    first, *others = judge_wheels(truth, {1: wheel})
     assert first.seen_mm == {
         "left-inner": [(0.0, 19.0), (51.0, 89.0)],
         "left-outer": [(6.0, 89.0)],
