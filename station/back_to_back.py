@@ -7,8 +7,8 @@ from station.documents import BackToBackDocument, StandingDocument
 from station.settings import TrackSettings
 
 NO_TRACK = (
-    "nothing says how left and right stand to each other; give [track] in the settings, with the "
-    "distance of the rigs"
+    "measured without [track], which says how left and right stand to each other; give it in the "
+    "settings"
 )
 """Why no axle of a train has a distance, said once."""
 _NOT_SEEN = "the {side} wheel has no flange back that was seen by a sensor with a mounting"

@@ -24,5 +24,10 @@ class AnswerRequest(_In):
     """What a person answers."""
 
     action: Literal["activate", "refuse"]
-    reason: Annotated[str, StringConstraints(min_length=1, max_length=500, strip_whitespace=True)]
+    reason: Annotated[
+        str,
+        StringConstraints(
+            min_length=1, max_length=500, strip_whitespace=True, pattern=r"^[^\x00]*$"
+        ),
+    ]
     """Why; it stays with the sensor's calibrations."""

@@ -61,6 +61,8 @@ def load_dump(url: str, path: Path) -> None:
         f"DROP TABLE IF EXISTS {names} CASCADE;\n"
         "DROP FUNCTION IF EXISTS refuse_change_of_audit() CASCADE;\n"
     )
+    # In the dump of a database whose schema somebody made anew; here there is one already.
+    script = script.replace(b"\nCREATE SCHEMA public;\n", b"\n")
     command = ["psql", "--no-psqlrc", "--quiet", "--single-transaction", "-v", "ON_ERROR_STOP=1"]
     _run(url, [*command, "--file=-"], given=emptied.encode() + script)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from station.backups import postgresql_dumps, sqlite_files
 from station.backups.checksums import ensure_checksum
-from station.errors import InputUnusable
+from station.errors import InputUnusable, StoreUnusable
 from station.operations import DataLayout
 from station.store import (
     Action,
@@ -39,8 +39,8 @@ class Restored:
 def restore_backup(layout: DataLayout, backup: Path, *, by: Actor, at: datetime) -> Restored:
     """Put a backup in the place of a station's store.
 
-    What was there is kept in a folder beside it.  Recordings stay where they are; those made since
-    the backup are no longer known.
+    What was there is kept in a folder beside it.  Interrupted at any moment, the store is the one
+    or the other.  Recordings stay where they are; those made since the backup are no longer known.
 
     Raises
     ------
@@ -48,19 +48,28 @@ def restore_backup(layout: DataLayout, backup: Path, *, by: Actor, at: datetime)
         If the station runs.
     InputUnusable
         If it is no whole backup, or one of the other kind of database.
+    StoreUnusable
+        If the disk or the database does not take it.
     StationError
-        If it is of a newer version of the station, or the database does not take it.
+        If it is of a newer version of the station.
     """
     digest = ensure_checksum(backup)
     file = file_of(layout.store_url)
     _ensure_kind(backup, file)
     layout.ensure()
     with held(layout.station_lock, "a station"):
-        aside = layout.root / f"replaced-{at:%Y%m%dT%H%M%SZ}"
-        if file is not None:
-            revision = _replace_file(layout, file, backup, aside)
-        else:
-            revision = _replace_database(layout, backup, aside)
+        aside = (layout.root if file is None else file.parent) / f"replaced-{at:%Y%m%dT%H%M%SZ}"
+        if aside.exists():
+            raise InputUnusable(f"{aside}: is there already; try again in a second")
+        try:
+            if file is not None:
+                revision = _replace_file(layout, file, backup, aside)
+            else:
+                revision = _replace_database(layout, backup, aside)
+        except OSError as error:
+            raise StoreUnusable(
+                f"{error.filename}: {error.strerror}; {backup} stays good"
+            ) from error
         migrate(layout.store_url)
         _note(layout.store_url, backup, digest, by, at)
     return Restored(revision, aside if aside.exists() else None)
@@ -107,7 +116,7 @@ def _keep_aside(file: Path, aside: Path) -> None:
 def _move(path: Path, aside: Path) -> None:
     if path.exists():
         aside.mkdir(exist_ok=True)
-        path.rename(aside / path.name)
+        shutil.move(path, aside / path.name)  # perhaps to another disk
 
 
 def _revision(url: str, backup: Path) -> str:

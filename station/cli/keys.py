@@ -1,7 +1,5 @@
 """`station keys`: who may call the station."""
 
-import getpass
-import os
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,10 +7,11 @@ from typing import Annotated, Any
 import typer
 
 from station.cli.output import AsJson, emit
+from station.cli.person import person
 from station.errors import InputUnusable, StateConflict
 from station.operations import DataLayout, Keys, key_id_of, utc_now
 from station.settings import load_settings
-from station.store import Actor, Key, Scope, Store, migrate, usable
+from station.store import Key, Scope, Store, migrate, usable
 from station.worker import held
 
 app = typer.Typer(
@@ -91,14 +90,7 @@ def _keys(config: Path) -> Keys:
             migrate(layout.store_url)
     except StateConflict:
         pass  # A station runs, and brought its store up to date when it was started.
-    return Keys(Store.open(layout.store_url), Actor(_user()), utc_now())
-
-
-def _user() -> str:
-    try:
-        return f"{getpass.getuser()} at the command line"
-    except (KeyError, OSError):  # a user without a name, as in a container
-        return f"user {os.getuid()} at the command line"
+    return Keys(Store.open(layout.store_url), person(), utc_now())
 
 
 def _id_in(text: str) -> str:

@@ -21,7 +21,7 @@ from measure import (
     WheelQuality,
     WheelReadings,
 )
-from station.documents.axle import AxleDocument, StandingDocument
+from station.documents.axle import AxleDocument, BackToBackDocument, StandingDocument
 from station.documents.base import Document
 
 
@@ -250,6 +250,13 @@ class MeasurementDocument(Document):
     def calibration_of(self, wheel: WheelDocument) -> str | None:
         """Return the fingerprint of the calibration, or rig, that a wheel was measured with."""
         return self.rigs.get(wheel.sensor) or self.calibrations.get(wheel.sensor, self.calibration)
+
+    def back_to_back_of(self, wheel: WheelDocument) -> BackToBackDocument | None:
+        """Return the distance of the axle that a wheel is on; None where that is not known."""
+        if wheel.axle is None:
+            return None
+        own = (axle.back_to_back for axle in self.axles if axle.axle == wheel.axle)
+        return next(own, None)
 
     @property
     def measured(self) -> int:

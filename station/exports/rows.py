@@ -8,6 +8,7 @@ from station.documents import MeasurementDocument, WheelDocument
 
 _READING = {"": "DOUBLE", "_u95": "DOUBLE", "_status": "VARCHAR", "_alarm": "VARCHAR"}
 _FIELDS = {"": "value", "_u95": "u95", "_status": "status", "_alarm": "alarm"}
+_OF_AXLE = "back_to_back"
 _QUALITY = {
     "points": "INTEGER",
     "coverage": "DOUBLE",
@@ -46,10 +47,12 @@ COLUMNS: dict[str, str] = {
     "wheelset": "VARCHAR",
     **{f"header_{quantity.value}": "DOUBLE" for quantity in _CLAIMED},
     "sensors": "VARCHAR",
+    **{_OF_AXLE + ending: kind for ending, kind in _READING.items()},
 }
 """Columns and their SQL types. Readings and `_u95` are in mm, empty where nothing was measured;
 `frames` is how many showed the wheel, `calibration` the fingerprint of the one used, or of the rig,
-`header_` what the header of a profile's file states, `sensors` those of a rig that gave points."""
+`header_` what the header of a profile's file states, `sensors` those of a rig that gave points,
+`back_to_back` the distance of its axle, in the rows of both wheels."""
 
 POINT_COLUMNS: dict[str, str] = {
     "wheel": "INTEGER",
@@ -80,7 +83,9 @@ def row_of(wheel: WheelDocument, heading: MeasurementDocument) -> dict[str, Any]
     row |= {"wheelset": wheel.wheelset}
     claimed = wheel.header.claimed if wheel.header is not None else {}
     row |= {f"header_{quantity.value}": claimed.get(quantity) for quantity in _CLAIMED}
-    return row | {"sensors": _BETWEEN.join(wheel.sensors) or None}
+    row |= {"sensors": _BETWEEN.join(wheel.sensors) or None}
+    distance = heading.back_to_back_of(wheel)
+    return row | {_OF_AXLE + end: getattr(distance, field, None) for end, field in _FIELDS.items()}
 
 
 def point_rows(number: int, wheel: WheelDocument) -> Iterator[dict[str, Any]]:

@@ -4,7 +4,7 @@ Pure: figures in, a decision with its reasons out.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from statistics import NormalDist
@@ -12,6 +12,8 @@ from statistics import NormalDist
 from measure import PieceVerdict
 from station.recalibration.evidence import Difference, Evidence, NewCalibration
 from station.settings import GateSettings, PolicySettings
+
+_STANDS = "the drift that was found before is still there as far as is known"
 
 
 class Action(StrEnum):
@@ -34,6 +36,11 @@ class Outcome(StrEnum):
     SHIFTED = "shifted"
     DRIFTED = "drifted"
     DOUBTFUL = "doubtful"
+
+    @property
+    def tells(self) -> bool:
+        """Whether it tells how the sensor is, whatever it says."""
+        return self not in {Outcome.NOTHING_NEW, Outcome.DOUBTFUL}
 
     @property
     def vouches(self) -> bool:
@@ -164,7 +171,10 @@ class _Judge:
         return self._kept(Outcome.NOTHING_NEW, "there are no new pictures", alarm=evidence.drifting)
 
     def _kept(self, outcome: Outcome, *reasons: str, alarm: bool = True) -> Decision:
-        return self._as(outcome, Action.KEEP, *reasons, alarm=alarm)
+        return self._as(outcome, Action.KEEP, *reasons, *self._still(), alarm=alarm)
+
+    def _still(self) -> tuple[str, ...]:
+        return (_STANDS,) if self.evidence.drifting else ()
 
     def _failures(self, new: NewCalibration) -> Iterator[str]:
         gates = self.gates
@@ -176,7 +186,7 @@ class _Judge:
             ("dots RMS", new.rms_dots_px, gates.largest_dots_px),
             ("stripe RMS", new.rms_stripe_px, gates.largest_stripe_px),
         ):
-            if value > limit:
+            if not value <= limit:
                 yield f"{what} {value:.3f} px; at most {limit:g} is allowed"
         if not new.pictures_age_h <= gates.oldest_pictures_h:
             yield f"pictures {new.pictures_age_h:.0f} h old; at most {gates.oldest_pictures_h:g}"
@@ -191,7 +201,7 @@ class _Judge:
             if each is not None and not each.rms_mm <= ratio * each.expected_mm
         ]
         if differing:
-            return self._differing(*max(differing, key=lambda one: one[1].largest_mm))
+            return self._differing(differing)
         shows_from_mm = ratio * sheet.expected_mm
         if shows_from_mm > self.gates.drift_mm:
             return self._doubtful((
@@ -220,16 +230,18 @@ class _Judge:
             return self._as(Outcome.AGED, self.policy.aged, within, aged)
         return self._as(Outcome.CONSISTENT, self.policy.consistent, within)
 
-    def _differing(self, what: str, difference: Difference) -> Decision:
-        drifting = self.evidence.drifting
-        limit_mm = self.gates.drift_mm * (self.gates.release if drifting else 1.0)
+    def _differing(self, differing: Sequence[tuple[str, Difference]]) -> Decision:
+        limit_mm = self.gates.drift_mm * (self.gates.release if self.evidence.drifting else 1.0)
+        beyond = [one for one in differing if not one[1].largest_mm <= limit_mm]
+        # The sheets come first: they tell the more clearly.
+        what, difference = (beyond or differing)[0]
         u, v = difference.largest_at_px
         apart = (
             f"the {what} differ by {difference.rms_mm:.4f} mm RMS where "
             f"{difference.expected_mm:.4f} is expected; at most by {difference.largest_mm:.4f} mm, "
             f"at pixel ({u:.0f}, {v:.0f}), where {limit_mm:g} matters"
         )
-        if difference.largest_mm <= limit_mm:
+        if not beyond:
             return self._as(Outcome.SHIFTED, self.policy.shifted, apart)
         return self._drifted(apart)
 
@@ -250,7 +262,8 @@ class _Judge:
     def _doubtful(self, reasons: tuple[str, ...]) -> Decision:
         # A drift that was found stays one until a good calibration says otherwise.
         wrong = self.evidence.drifting or self.evidence.piece.by_present is PieceVerdict.DRIFTED
-        return self._as(Outcome.DOUBTFUL, self.policy.doubtful, *reasons, alarm=wrong)
+        told = (*reasons, *self._still())
+        return self._as(Outcome.DOUBTFUL, self.policy.doubtful, *told, alarm=wrong)
 
     def _as(self, outcome: Outcome, action: str, *reasons: str, alarm: bool = False) -> Decision:
         return Decision(outcome, Action(action), reasons, alarm, self.evidence.figures)

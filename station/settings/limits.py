@@ -59,7 +59,8 @@ class LimitsSettings(Section):
     diameter: LimitSettings | None = None
     """At the tape circle; where the sensors' sheets tell it."""
     back_to_back: RangeSettings | None = None
-    """Between the flange backs of an axle; wear does not change it, so no end is the worn one."""
+    """Between the flange backs of an axle. Those of a preset are for 1435 mm gauge and wheels over
+    840 mm in diameter. Wear does not change it: no end is the worn one."""
 
     @model_validator(mode="before")
     @classmethod

@@ -30,8 +30,9 @@ class TrackSettings(Section):
     """Translation of right_from_left: the left rig's origin in the right one's frame, mm."""
     sigma_distance_mm: float = Field(gt=0.0, allow_inf_nan=False)
     """How far the distance may be off, one sigma, mm; of a whole pose, along each axis."""
-    sigma_turn_rad: float = Field(gt=0.0, allow_inf_nan=False)
-    """How far the rigs may be turned against each other about each axis, one sigma, rad."""
+    sigma_turn_rad: float = Field(default=5e-4, gt=0.0, allow_inf_nan=False)
+    """How far the rigs may be turned against each other about each axis, one sigma, rad; at this
+    value, a careful survey's, it is most of u95: 0.4 mm where a sheet meets the flange."""
     max_skew_us: float = Field(default=MAX_SKEW_US, gt=0.0, le=1e6)
     """Pictures of left and right that are farther apart make no pair, us."""
     fewest_pairs: int = Field(default=2, ge=1)

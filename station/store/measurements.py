@@ -7,7 +7,12 @@ from sqlalchemy.orm import Session
 
 from station.store.tables import JsonObject, Measurement, MeasurementProfile
 
-_KEY = Measurement.recording_id, Measurement.frame, Measurement.calibration_id
+_KEY = (
+    Measurement.recording_id,
+    Measurement.frame,
+    Measurement.calibration_id,
+    Measurement.rig_calibration_id,
+)
 _PROFILE = "profile"
 
 
@@ -48,5 +53,5 @@ def profiles_of(session: Session, measurements: Iterable[Measurement]) -> dict[i
     return {row.measurement_id: row.profile for row in session.scalars(found)}
 
 
-def _key(row: Measurement) -> tuple[str, int, str]:
-    return row.recording_id, row.frame, row.calibration_id
+def _key(row: Measurement) -> tuple[str, int, str, str | None]:
+    return row.recording_id, row.frame, row.calibration_id, row.rig_calibration_id

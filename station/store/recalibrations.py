@@ -67,10 +67,13 @@ def first_piece_check(session: Session, calibration_id: str) -> KeptPieceCheck |
 def alarm_of(session: Session, sensor: str) -> Recalibration | None:
     """Return the recalibration that says the calibration in force may measure wrongly, or None.
 
-    One against a calibration that is no longer in force raises no alarm any more.
+    One against a calibration that is no longer in force raises no alarm any more, nor does one
+    that a person has refused.
     """
     last, present = last_decided(session, sensor), active(session, sensor)
     if last is None or present is None or not last.alarm:
+        return None
+    if last.state is RecalibrationState.REFUSED:
         return None
     return last if last.present_version == present.version else None
 

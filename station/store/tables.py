@@ -13,6 +13,7 @@ from sqlalchemy import (
     MetaData,
     Text,
     UniqueConstraint,
+    text,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 from sqlalchemy.types import TypeDecorator
@@ -215,9 +216,27 @@ class Measurement(Table):
 
     __tablename__ = "measurements"
     # Measuring again with the same calibration, as after a crash, adds nothing; with another
-    # calibration it adds a row and leaves the old one.
+    # calibration, of the sensor or of its rig, it adds a row and leaves the old one.
     __table_args__ = (
-        UniqueConstraint("recording_id", "frame", "calibration_id"),
+        Index(
+            "uq_measurements_of_sensors",
+            "recording_id",
+            "frame",
+            "calibration_id",
+            unique=True,
+            sqlite_where=text("rig_calibration_id IS NULL"),
+            postgresql_where=text("rig_calibration_id IS NULL"),
+        ),
+        Index(
+            "uq_measurements_of_rigs",
+            "recording_id",
+            "frame",
+            "calibration_id",
+            "rig_calibration_id",
+            unique=True,
+            sqlite_where=text("rig_calibration_id IS NOT NULL"),
+            postgresql_where=text("rig_calibration_id IS NOT NULL"),
+        ),
         Index("ix_measurements_sensor_id", "sensor", "id"),
         Index("ix_measurements_pass_id_id", "pass_id", "id"),
     )

@@ -12,7 +12,14 @@ from measure import PieceVerdict
 from station.documents import CalibrationDocument
 from station.operations import last_good_check
 from station.recalibration import Difference, Evidence, Outcome, PieceFindings, largest_ratio
-from station.store import Calibration, Recalibration, active, decided_against, the
+from station.store import (
+    Calibration,
+    Recalibration,
+    RecalibrationState,
+    active,
+    decided_against,
+    the,
+)
 from station.worker.comparing import sheet_difference, soundness_of, whole_difference
 from station.worker.context import WorkContext
 from station.worker.quiet import Quiet
@@ -59,12 +66,18 @@ def _telling(session: Session, row: Recalibration) -> list[Recalibration]:
     """Return the earlier recalibrations against what is in force that tell of it, newest first."""
     if row.present_version is None:
         return []
-    silent = {Outcome.DOUBTFUL, Outcome.NOTHING_NEW}
     return [
         each
         for each in decided_against(session, row.sensor, row.present_version)
-        if each.id != row.id and each.outcome not in silent
+        if each.id != row.id and _tells(each)
     ]
+
+
+def _tells(row: Recalibration) -> bool:
+    # What a person has refused was a finding of the pictures, not of the sensor.
+    if row.outcome is None or row.state is RecalibrationState.REFUSED:
+        return False
+    return Outcome(row.outcome).tells
 
 
 def _drifts(session: Session, row: Recalibration) -> list[str]:

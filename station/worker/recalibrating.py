@@ -161,7 +161,8 @@ def _act(context: WorkContext, row_id: str, decision: Decision) -> None:
             bring_into_force(session, context.settings, row, by=by, at=context.now())
         _step(row, _STATE_AFTER[decision.action])
         row.ended_at = context.now()
-        supersede_asking(session, row)
+        if decision.outcome.tells:
+            supersede_asking(session, row)
         end(job, JobState.DONE, at=context.now())
 
 

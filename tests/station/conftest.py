@@ -22,7 +22,7 @@ def any_url(request, tmp_path):
     """The URL of an empty database, of each kind in turn."""
     if request.param == "sqlite":
         return sqlite_url(tmp_path / "station.sqlite")
-    return request.getfixturevalue("postgres").new_database()
+    return request.getfixturevalue("postgres").empty_database()
 
 
 @pytest.fixture(scope="session")

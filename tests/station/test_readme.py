@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -18,11 +19,24 @@ SHOWN = [
 ]
 
 
+TABLES = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
+
+
 def test_settings_shown_load(tmp_path):
-    (text,) = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
-    (tmp_path / "station.toml").write_text(text)
+    (tmp_path / "station.toml").write_text(TABLES[0])
     settings = load_settings(tmp_path / "station.toml")
     assert settings.sensor("left").mounting is not None
+
+
+@pytest.mark.parametrize("text", TABLES[1:])
+def test_tables_shown_load_in_a_station_that_has_their_sensors(tmp_path, text):
+    names = [name for rig in tomllib.loads(text)["rigs"] for name in rig["sensors"]]
+    sensors = [
+        f'[[sensors]]\nid = "{name}"\naddress = "192.168.10.{place}"\n'
+        for place, name in enumerate(names, start=2)
+    ]
+    (tmp_path / "station.toml").write_text("\n".join(['data_dir = "data"', *sensors, text]))
+    assert load_settings(tmp_path / "station.toml").track is not None
 
 
 @pytest.mark.parametrize("words", SHOWN, ids=" ".join)

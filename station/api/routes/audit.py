@@ -12,7 +12,7 @@ from station.store import audit_page
 
 router = APIRouter(prefix="/v1/audit", tags=["station"])
 
-_LARGEST_ID = 2**63 - 1
+_LARGEST_ID = 2**31 - 1  # what an integer column of PostgreSQL holds
 
 
 @router.get("")

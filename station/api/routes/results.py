@@ -14,7 +14,7 @@ from station.store import Measurement, measurements_page, places_of, profiles_of
 
 router = APIRouter(prefix="/v1/measurements", tags=["measurements"])
 
-_LARGEST_ID = 2**63 - 1
+_LARGEST_ID = 2**31 - 1  # what an integer column of PostgreSQL holds
 
 
 @router.get("")

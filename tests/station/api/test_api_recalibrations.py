@@ -152,6 +152,8 @@ def test_person_who_agrees_brings_it_into_force_with_the_reason(call, asking):
 
 def test_person_who_refuses_leaves_everything_as_it_is(call, asking):
     assert answer(call, asking, "refuse").json()["state"] == "refused"
+    (left, _) = call.get("/v1/station").json()["sensors"]
+    assert (left["asks"], left["alarm"]) == (None, None)
     assert call.get("/v1/sensors/left/active-calibration").json()["calibration"] == "first"
 
 

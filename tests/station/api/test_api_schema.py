@@ -8,9 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import ADMIN_KEY
+from served_station import ADMIN_KEY, Served
 
 from station.api import contract
+from station.store import migrate
 
 TOOL = Path(sys.executable).with_name("schemathesis")
 # "Valid data was refused" is left out: a contract has no words for a target that does not parse, or
@@ -50,4 +51,20 @@ def test_no_call_makes_the_station_fail_or_break_its_contract(served, tmp_path):
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_no_call_of_many_makes_the_station_fail_or_break_its_contract(served, tmp_path, seed):
     done = attack(served, tmp_path, examples=200, seed=seed)
+    assert done.returncode == 0, done.stdout[-8000:]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_nothing_that_a_call_holds_is_too_much_for_the_other_database(
+    tmp_path, empty_store, postgres
+):
+    """PostgreSQL holds no NUL in a text and no number beyond 64 bits; SQLite minds neither."""
+    url = postgres.empty_database()
+    migrate(url)
+    served = Served(tmp_path, empty_store, store_url=url, web={"bad_keys": 1000})
+    try:
+        done = attack(served, tmp_path, examples=50, seed=4)
+    finally:
+        served.close()
     assert done.returncode == 0, done.stdout[-8000:]

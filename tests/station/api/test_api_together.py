@@ -5,7 +5,7 @@ import threading
 from collections import Counter
 
 import pytest
-from conftest import Served
+from served_station import Served
 
 from station.store import (
     Activation,
@@ -117,4 +117,4 @@ def test_twenty_clients_at_a_time_lose_nothing(served_on):
 
 @pytest.mark.slow
 def test_twenty_clients_at_a_time_lose_nothing_for_long(served_on):
-    check(served_on, rounds=100)
+    check(served_on, rounds=30)

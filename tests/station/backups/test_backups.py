@@ -1,18 +1,22 @@
 """Shows that a backup made while others write is one moment of the store, that it is refused when
 damaged, and that what a restore replaces is kept, on both databases."""
 
+import errno
+import os
 import re
 import sqlite3
 import threading
 from datetime import UTC, datetime
 
 import pytest
+from sqlalchemy import text
 
 from station.backups import make_backup, restore_backup
 from station.backups.checksums import write_checksum
-from station.errors import InputUnusable, StateConflict, StationError
+from station.errors import InputUnusable, StateConflict, StationError, StoreUnusable
 from station.operations import DataLayout
 from station.store import Actor, Pass, PassState, Store, audit_page, counts_by_state, migrate
+from station.store.connecting import open_engine
 from station.worker import held
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
@@ -172,3 +176,32 @@ def test_a_station_that_never_ran_has_nothing_to_back_up(tmp_path):
     with pytest.raises(InputUnusable, match="no store yet"):
         make_backup(layout.store_url, tmp_path / "one.backup")
     assert not layout.store_file.exists()
+
+
+def test_a_disk_that_is_full_leaves_the_store_as_it_was(layout, tmp_path, monkeypatch):
+    import station.backups.restoring as restoring  # noqa: PLC0415  beside its only use
+
+    def refuse(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "station.sqlite.restoring")
+
+    made = make_backup(layout.store_url, tmp_path / "one.backup")
+    add_passes(layout, "p1")
+    monkeypatch.setattr(restoring.shutil, "copyfile", refuse)
+    monkeypatch.setattr(restoring.postgresql_dumps, "load_dump", refuse)
+    with pytest.raises(StoreUnusable, match="No space left on device"):
+        restore(layout, made.path)
+    assert passes_in(layout) == 1
+
+
+@pytest.mark.parametrize("any_url", ["postgresql"], indirect=True)
+def test_a_database_whose_schema_was_made_anew_is_restored_too(layout, tmp_path):
+    engine = open_engine(layout.store_url)
+    with engine.begin() as connection:
+        connection.execute(text("DROP SCHEMA public CASCADE"))
+        connection.execute(text("CREATE SCHEMA public"))
+    engine.dispose()
+    migrate(layout.store_url)
+    made = make_backup(layout.store_url, tmp_path / "one.backup")
+    add_passes(layout, "p1")
+    restore(layout, made.path)
+    assert passes_in(layout) == 0

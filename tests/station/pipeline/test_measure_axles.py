@@ -1,5 +1,6 @@
 """Shows the distance between flange backs from real recordings of both sides of a train."""
 
+import csv
 import json
 
 import numpy as np
@@ -17,6 +18,7 @@ from measure import Limit, Limits
 from station.back_to_back import NO_TRACK
 from station.cli.main import build_app, run
 from station.documents import MeasurementDocument
+from station.exports import table_writer
 from station.pipeline import measure_train
 from station.settings import TrackSettings
 
@@ -87,6 +89,16 @@ def test_of_one_side_alone_nothing_is_said_of_axles(folder):
     document = measure_train(own, [], rigs=[true_rig()], sides={}, counted=2, track=TRACK)
     assert (document.axles, document.no_back_to_back) == ((), None)
     assert {"axles", "no_back_to_back"}.isdisjoint(json.loads(document.model_dump_json()))
+
+
+def test_a_table_has_the_distance_in_the_rows_of_both_wheels(train, tmp_path):
+    out = tmp_path / "wheels.csv"
+    table_writer(out)(out, train, train.wheels)
+    with out.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    told = {(row["axle"], row["side"]): row["back_to_back"] for row in rows}
+    assert told["1", "left"] == told["1", "right"] == str(train.axles[0].back_to_back.value)
+    assert {row["back_to_back_status"] for row in rows if row["axle"] == "2"} == {"missing"}
 
 
 def test_the_command_says_the_distance_and_writes_it(folder, tmp_path, capsys):

@@ -63,7 +63,8 @@ def test_the_command_names_axle_and_side_and_writes_both(train, tmp_path, capsys
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("axle 1 left, left.mcap frame 1: flange_height")
     assert lines[5] == "axle 3 right: not measured: not seen: sensor right: no frame of this axle"
-    assert lines[6] == "5 of 6 wheels measured"
+    assert lines[6].startswith("no back-to-back: measured without [track], which says how")
+    assert lines[7:] == ["5 of 6 wheels measured"]
     assert rows(MeasurementDocument.read(out))[-1] == (3, "right", False)
     assert json.loads(out.read_text())["wheels"][0]["placing"] == "certain"
 

@@ -203,6 +203,22 @@ def test_reasons_of_a_drift_say_how_far_where_and_what_matters():
     assert "at most by 0.3000 mm, at pixel (100, 50), where 0.1 matters" in apart
 
 
+def test_sheets_speak_where_both_have_drifted():
+    both = replace(AT_REST, sheet=MOVED, whole=replace(MOVED, largest_mm=0.5))
+    assert decide(both, GATES, ASKS).reasons[0].startswith("the sheets differ")
+    # A small but sure difference of the sheets does not hide a large one of the cameras.
+    camera = replace(AT_REST, sheet=BLURRED, whole=MOVED)
+    assert decide(camera, GATES, ASKS).outcome is Outcome.DRIFTED
+    assert decide(camera, GATES, ASKS).reasons[0].startswith("the sensors as a whole differ")
+
+
+def test_drift_that_stands_is_said_where_nothing_new_is_known():
+    for evidence in (NOTHING, refused(poses=5)):
+        decision = decide(replace(evidence, drifting=True), GATES, ASKS)
+        assert decision.alarm
+        assert "the drift that was found before is still there" in decision.reasons[-1]
+
+
 def test_ratio_is_that_of_a_single_normal_variable():
     # Two-sided 5 % and 0.1 % of a normal variable.
     assert largest_ratio(0.05) == pytest.approx(1.960, abs=5e-4)

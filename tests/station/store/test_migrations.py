@@ -97,6 +97,27 @@ def test_going_back_before_rigs_keeps_what_was_measured(any_url):
     assert differences(any_url) == []
 
 
+def test_going_back_loses_no_measurement_by_another_calibration_of_a_rig_unsaid(any_url):
+    migrate(any_url)
+    rigs = [
+        f"INSERT INTO rig_calibrations (id, state, rig, created_at) VALUES ('{name}', 'ready',"
+        f" 'w', '{AT}')"
+        for name in "gh"
+    ]
+    measured = [
+        "INSERT INTO measurements (recording_id, frame, calibration_id, rig_calibration_id, sensor,"
+        f" reference, software, measured_at, wheel) VALUES ('r', 1, 'c', '{rig}', 'w', 'S1002',"
+        f" '-', '{AT}', '{{}}')"
+        for rig in "gh"
+    ]
+    _execute(any_url, [*MEASURED[:2], *rigs, *measured])
+    with pytest.raises(StationError, match="several calibrations of their rig"):
+        migrate(any_url, "0008")
+    assert _values(any_url, "SELECT count(*) FROM measurements") == [(2,)]
+    migrate(any_url, "0008", losing=True)
+    assert _values(any_url, "SELECT rig_calibration_id FROM measurements") == [("h",)]
+
+
 def test_every_step_back_and_forth_works_with_rows_in_every_table_of_trains(any_url):
     migrate(any_url)
     store = Store.open(any_url)

@@ -14,6 +14,7 @@ from station.store import (
     JobState,
     Measurement,
     Recording,
+    RigCalibration,
     Scope,
     activate,
     active,
@@ -92,6 +93,21 @@ def test_a_wheel_is_kept_once_per_recording_frame_and_calibration(filled):
         (2, "c2"),
     ]
     assert rows[1].wheel == {"frame": 2}
+
+
+def test_a_wheel_of_a_rig_is_kept_once_per_calibration_of_the_rig(filled):
+    with filled.change() as session:
+        session.add_all(
+            RigCalibration(
+                id=name, state=CalibrationState.READY, rig="left", created_at=NOON, job_id=None
+            )
+            for name in ("g1", "g2")
+        )
+    for expected in (3, 0):
+        rows = [a_measurement(1) for _ in range(3)]
+        rows[1].rig_calibration_id, rows[2].rig_calibration_id = "g1", "g2"
+        with filled.change() as session:
+            assert add_measurements(session, rows) == expected
 
 
 def test_a_profile_is_kept_beside_its_measurement_and_once(filled):

@@ -122,6 +122,23 @@ def test_second_drift_that_disagrees_with_the_first_confirms_nothing(shop):
     shop.session(sensor=turned(paper_sensor(), -DRIFT_RAD))
     row = shop.recalibrate("n2")
     assert (row.outcome, row.state, row.findings["confirmed"]) == ("drifted", "kept", 0)
+    # Nor does the first confirm a third: nights count in a row.
+    shop.session(sensor=turned(paper_sensor(), DRIFT_RAD))
+    row = shop.recalibrate("n3")
+    assert (row.outcome, row.state, row.findings["confirmed"]) == ("drifted", "kept", 0)
+
+
+def test_drift_that_a_person_refused_neither_stands_nor_confirms_another(shop):
+    shop.session(sensor=turned(paper_sensor(), DRIFT_RAD))
+    seen = shop.recalibrate("n1").version
+    answer_recalibration(
+        station_of(shop), "n1", bring=False, why="bent board", seen=seen, by=STATION
+    )
+    idle = shop.recalibrate("idle")
+    assert (idle.outcome, idle.alarm) == ("nothing_new", False)
+    shop.settings = RecalibrationSettings(**BY_ITSELF)
+    shop.session(sensor=turned(paper_sensor(), DRIFT_RAD))
+    assert shop.recalibrate("n2").findings["confirmed"] == 0
 
 
 def test_passes_since_the_last_good_check_are_measured_again_beside_what_was_measured(shop):
@@ -213,6 +230,9 @@ def test_first_calibration_of_a_sensor_is_asked_for(ground, tmp_path, rng):
 def test_later_recalibration_ends_the_question_of_an_earlier_one(shop):
     shop.session(sensor=turned(paper_sensor(), DRIFT_RAD))
     assert shop.recalibrate("n1").state == "asking"
+    # A night without pictures knows nothing better: the question and the alarm stand.
+    idle = shop.recalibrate("idle")
+    assert (idle.state, idle.alarm, shop.found("n1").state) == ("kept", True, "asking")
     shop.session(sensor=turned(paper_sensor(), DRIFT_RAD))
     assert shop.recalibrate("n2").state == "asking"
     assert shop.found("n1").state == "superseded"
@@ -256,11 +276,16 @@ def test_patience_that_is_out_ends_it_with_the_reason(shop):
     with shop.store.change() as session:
         session.add(Pass(id="p", state=PassState.RECORDING, opened_at=shop.now))
 
-    def sleep(_seconds):
+    naps = []
+
+    def sleep(seconds):
+        naps.append(seconds)
         shop.now += timedelta(hours=1)
 
     recalibrate(shop.context, shop.order(), sleep=sleep)
     row = shop.found()
+    # After the fourth hour more than three have gone.
+    assert len(naps) == 4
     assert row.state == "failed"
     assert row.reason.startswith("given up after 3 h, as pass p is recording")
 
