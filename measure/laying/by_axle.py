@@ -4,7 +4,7 @@ The sensors of a rig lay theirs together: they see one wheel on one axle.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -82,6 +82,28 @@ class Laid:
     axle: Axle | None
     axle_offset_mm: float | None
     sheet_yaw_rad: float | None
+
+    def select(self, index: IntArray) -> "Laid":
+        """Return the points that a rising index array picks; the rest is left out as glare."""
+        dropped = len(self.along_mm) - len(index)
+        glare = self.left_out.get(Cause.GLARE, 0) + dropped
+        tread = self.tread
+        if tread is not None:
+            at = np.searchsorted(index, tread.index)
+            there = np.isin(tread.index, index)
+            tread = replace(tread, index=at) if there.all() else None
+        return replace(
+            self,
+            sheet=self.sheet.select(index),
+            section=self.section.select(index),
+            along_mm=self.along_mm[index],
+            noise=replace(self.noise, sigma_mm=self.noise.sigma_mm[index]),
+            left_out={**self.left_out, Cause.GLARE: glare},
+            once_mm=self.once_mm[index],
+            shared_mm=self.shared_mm[index],
+            by_vibration_mm={name: each[index] for name, each in self.by_vibration_mm.items()},
+            tread=tread,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -211,6 +211,17 @@ class Section:
         points = section_map.section(sheet.points_in_cam_mm)
         return cls(points, own, tangent, to_camera, np.maximum(sigma, 1e-6), jacobian)
 
+    def select(self, index: IntArray) -> "Section":
+        """Return the points that an index array picks."""
+        return Section(
+            self.points_mm[index],
+            self.own_mm[index],
+            self.tangent[index],
+            self.to_camera[index],
+            self.sigma_mm[index],
+            self.jacobian[index],
+        )
+
 
 def radial_place_mm(sensor: RigSensor, survey: Survey, points_in_cam_mm: FloatArray) -> float:
     """Return the rig x where an axle of nominal radius would lie in the sheet, beside the points.

@@ -10,6 +10,7 @@ from measure.gauging.uncertainty import Learnt, Motions
 from measure.laying.by_axle import Laid, Laying
 from measure.merging.align import Displacement, displacement, learn
 from measure.merging.causes import motions_of
+from measure.merging.contradiction import without_contradictions
 from measure.merging.overlap import Overlap, Strand
 from measure.mounting import Survey
 from measure.placing.registration import refine_shift
@@ -110,6 +111,9 @@ def merge(
         learnt = learn(nearer, learnt)
     if learnt is not None:
         strands = [strand.without(learnt) for strand in strands]
+        true = without_contradictions(laying.parts, _overlaps(strands, shift, template))
+        if true is not None:
+            return merge(replace(laying, parts=true), rig, survey, template)
     return replace(_joined(laying, strands, learnt, template), aside=aside)
 
 

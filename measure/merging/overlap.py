@@ -11,6 +11,8 @@ from measure.placing.template import Template
 
 _STRETCH_MM = 1.5
 _FEWEST = 3
+# At the edge of the rim each sensor sees a corner from its own side.
+_END_MM = 4.0
 # Lines through a stretch leave what the profile bends otherwise than the reference.
 _FLOOR_MM = 0.004
 
@@ -53,12 +55,19 @@ class Overlap:
         Shape (B, U): for one sigma of each cause, those of a shot first, then the shared ones.
     outward
         Shape (B, 2): the reference's normal.
+    number
+        Shape (B,): which stretch of the reference each is.
+    of_one, of_other
+        Shape (N,), (M,): the stretch that each point of the strands is in; -1 of those beside.
     """
 
     apart_mm: FloatArray
     sigma_mm: FloatArray
     by_cause: FloatArray
     outward: FloatArray
+    number: IntArray
+    of_one: IntArray
+    of_other: IntArray
 
     def __len__(self) -> int:
         return len(self.apart_mm)
@@ -77,12 +86,15 @@ class Overlap:
             The reference.
         """
         ours, theirs = (_Stretches.of(each, shift_mm, template) for each in (one, other))
-        _, at, there = np.intersect1d(ours.number, theirs.number, return_indices=True)
+        number, at, there = np.intersect1d(ours.number, theirs.number, return_indices=True)
         return cls(
             apart_mm=ours.outside_mm[at] - theirs.outside_mm[there],
             sigma_mm=np.sqrt(ours.variance_mm2[at] + theirs.variance_mm2[there] + _FLOOR_MM**2),
             by_cause=ours.by_cause[at] - theirs.by_cause[there],
             outward=ours.outward[at],
+            number=number,
+            of_one=ours.of_point,
+            of_other=theirs.of_point,
         )
 
 
@@ -98,11 +110,13 @@ class _Stretches:
     variance_mm2: FloatArray
     by_cause: FloatArray
     outward: FloatArray
+    of_point: IntArray
 
     @classmethod
     def of(cls, strand: Strand, shift_mm: FloatArray, template: Template) -> "_Stretches":
         along, outside, nearest = template.place(strand.points_mm - shift_mm)
-        fit = np.flatnonzero(template.wears_smoothly(along))
+        inside = along < template.along_mm[-1] - _END_MM
+        fit = np.flatnonzero(template.wears_smoothly(along) & inside)
         place = np.floor(along[fit] / _STRETCH_MM)
         number, member = np.unique(place.astype(np.int64), return_inverse=True)
         middle = (number + 0.5) * _STRETCH_MM
@@ -113,12 +127,15 @@ class _Stretches:
         gather = csr_array((weight, (member, np.arange(len(fit)))), shape=(len(number), len(fit)))[
             np.flatnonzero(good)
         ]
+        of_point = np.full(len(along), -1, dtype=np.int64)
+        of_point[fit] = number[member]
         return cls(
             number=number[good],
             outside_mm=np.asarray(gather @ outside[fit]),
             variance_mm2=np.asarray(gather.power(2) @ strand.sigma_mm[fit] ** 2),
             by_cause=np.asarray(gather @ motion),
             outward=np.asarray(gather @ normal),
+            of_point=of_point,
         )
 
 

@@ -120,6 +120,36 @@ def test_u95_of_thickness_is_what_calibration_vibration_and_noise_make_of_it(rng
     assert 0.5 < np.sqrt(np.mean(np.square(scores))) < 1.2
 
 
+def with_false_piece(shot, name, offset_px):
+    """The same with other light on a piece of one sensor's flange tip, over the laser's."""
+    frames = []
+    for frame in shot.frames:
+        if frame.sensor == name:
+            at_rest = AxleMap(rs.rig()[name].rig_from_camera, WORN.axle_x_mm, ws.RADIUS_MM)
+            sensor = rs.rig()[name].sensor
+            y = at_rest.section(sensor.locate(frame.stripe.centre_px))[:, 0] - WORN.lateral_mm
+            false, hidden = np.abs(y + 56.0) < 4.0, np.abs(y + 56.0) < 6.5
+            moved = frame.stripe.centre_px + offset_px * frame.stripe.normal
+            centre = np.where(false[:, None], moved, frame.stripe.centre_px)
+            stripe = replace(frame.stripe, centre_px=centre).select(false | ~hidden)
+            frame = replace(frame, stripe=stripe)
+        frames.append(frame)
+    return Shot(tuple(frames))
+
+
+@pytest.mark.parametrize("offset_px", [-2.0, 2.0])
+def test_a_false_piece_on_one_sensor_s_tip_is_left_out(rng, offset_px):
+    shot = with_false_piece(rs.shot(WORN, rng), "outer", offset_px)
+    true, false = measured([rs.shot(WORN, rng)]), measured([shot])
+    # 2 px are 0.4 mm: half of that would be in the tip's height, all of it in thickness.
+    assert abs(error_mm(false, quantity=Quantity.FLANGE_HEIGHT)) < 0.05
+    reading = false.readings[THICKNESS]
+    assert abs(error_mm(false)) < reading.u95
+    assert reading.u95 > true.readings[THICKNESS].u95
+    lost = true.quality.by_sensor["outer"].points - false.quality.by_sensor["outer"].points
+    assert lost > 40
+
+
 def test_several_shots_are_joined_though_one_lacks_a_sensor(rng):
     shots = [rs.shot(WORN, rng, frame=1), rs.shot(WORN, rng, frame=2, names=("outer",))]
     answer = measured(shots)
@@ -156,6 +186,9 @@ def random_overlap(rng, causes, stretches=12):
         sigma_mm=np.full(stretches, 0.02),
         by_cause=rng.normal(0.0, 0.1, (stretches, causes)),
         outward=np.column_stack([np.sin(angle), np.cos(angle)]),
+        number=np.arange(stretches),
+        of_one=np.arange(stretches),
+        of_other=np.arange(stretches),
     )
 
 
