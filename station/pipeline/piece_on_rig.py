@@ -14,7 +14,6 @@ from station.documents import (
     Gate,
     PieceCheck,
     RigDocument,
-    SurveyDocument,
     piece_check,
     sensors_of,
 )
@@ -22,7 +21,7 @@ from station.errors import InputUnusable
 from station.pipeline.calibrate import fingerprints
 from station.pipeline.piece_stripes import stripes_of
 from station.pipeline.quality import LARGEST_SHEET_SIGMA_MM, at_most
-from station.pipeline.rig_parts import anchoring_of, ensure_rig, side_of
+from station.pipeline.rig_parts import anchoring_of, ensure_rig, side_of, surveyed
 from station.pipeline.rig_sources import sources_by_sensor
 from station.pipeline.showings import missing_in, showings_of
 from station.progress import Progress, silent
@@ -271,15 +270,12 @@ def _document(
     sources: Sequence[Path],
 ) -> RigDocument:
     anchoring = order.anchoring
-    mounting = anchoring.mounting
-    rig, survey = answer.rig, None
-    if mounting is not None:
-        rig = rig.moved(mounting.rig_from_camera())
-        survey = SurveyDocument.of_mounting(
-            mounting,
-            sigma_vibration_mm=order.sigma_vibration_mm,
-            sigma_vibration_rad=order.sigma_vibration_rad,
-        )
+    rig, survey = surveyed(
+        answer.rig,
+        anchoring,
+        sigma_vibration_mm=order.sigma_vibration_mm,
+        sigma_vibration_rad=order.sigma_vibration_rad,
+    )
     return RigDocument(
         rig=order.rig,
         side=order.side or side_of(anchoring),

@@ -24,14 +24,13 @@ from station.documents import (
     InputFile,
     RigDocument,
     RmsDocument,
-    SurveyDocument,
     sensors_of,
 )
 from station.errors import InputUnusable
 from station.pipeline.calibrate import fingerprints
 from station.pipeline.observe_showings import observe_showings
 from station.pipeline.quality import LARGEST_SHEET_SIGMA_MM, LARGEST_SIGMA_SCALE, at_most
-from station.pipeline.rig_parts import anchoring_of, ensure_rig, side_of
+from station.pipeline.rig_parts import anchoring_of, ensure_rig, side_of, surveyed
 from station.pipeline.rig_sources import sources_by_sensor
 from station.pipeline.showings import Showing, missing_in, showings_of
 from station.progress import Progress, silent
@@ -207,15 +206,12 @@ def _document(
     inputs: tuple[InputFile, ...],
 ) -> RigDocument:
     anchoring = order.anchoring
-    mounting = anchoring.mounting
-    rig, survey = answer.rig, None
-    if mounting is not None:
-        rig = rig.moved(mounting.rig_from_camera())
-        survey = SurveyDocument.of_mounting(
-            mounting,
-            sigma_vibration_mm=order.sigma_vibration_mm,
-            sigma_vibration_rad=order.sigma_vibration_rad,
-        )
+    rig, survey = surveyed(
+        answer.rig,
+        anchoring,
+        sigma_vibration_mm=order.sigma_vibration_mm,
+        sigma_vibration_rad=order.sigma_vibration_rad,
+    )
     return RigDocument(
         rig=order.rig,
         side=order.side or side_of(anchoring),

@@ -3,8 +3,9 @@
 from collections import Counter
 from collections.abc import Sequence
 
+from calib import Rig
 from measure import Side
-from station.documents import CalibrationDocument
+from station.documents import CalibrationDocument, SurveyDocument
 from station.errors import InputUnusable
 
 
@@ -31,8 +32,8 @@ def anchoring_of(
     calibrations: Sequence[CalibrationDocument], anchor: str | None
 ) -> CalibrationDocument:
     """Return the calibration of the anchor: the first with a mounting where none is wished."""
-    surveyed = [each for each in calibrations if each.mounting is not None]
-    wanted = anchor or next(iter([*surveyed, *calibrations])).sensor
+    known = [each for each in calibrations if each.mounting is not None]
+    wanted = anchor or next(iter([*known, *calibrations])).sensor
     return next(each for each in calibrations if each.sensor == wanted)
 
 
@@ -42,3 +43,25 @@ def side_of(anchoring: CalibrationDocument) -> Side:
     # Mirrored ones stand at x below 0.
     mirrored = mounting is not None and mounting.translation_mm[0] < 0.0
     return Side.RIGHT if mirrored else Side.LEFT
+
+
+def surveyed(
+    rig: Rig,
+    anchoring: CalibrationDocument,
+    *,
+    sigma_vibration_mm: float | None,
+    sigma_vibration_rad: float | None,
+) -> tuple[Rig, SurveyDocument | None]:
+    """Return a rig, solved in its anchor's camera, where the anchor's survey puts it.
+
+    Without a survey it stays as it is; the survey is then None.
+    """
+    mounting = anchoring.mounting
+    if mounting is None:
+        return rig, None
+    survey = SurveyDocument.of_mounting(
+        mounting,
+        sigma_vibration_mm=sigma_vibration_mm,
+        sigma_vibration_rad=sigma_vibration_rad,
+    )
+    return rig.moved(mounting.rig_from_camera()), survey

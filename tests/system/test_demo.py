@@ -96,7 +96,9 @@ OF_THE_PASS = {"time", "source", "axle", "side", "placing", "wheelset"}
 
 def readings(wheel):
     """Return all that was read off a wheel."""
-    return {name: value for name, value in wheel.items() if name not in OF_THE_PASS}
+    read = {name: value for name, value in wheel.items() if name not in OF_THE_PASS}
+    backs = [{**back, "time": None} for back in wheel["standing"]["backs"]]
+    return read | {"standing": {**wheel["standing"], "backs": backs}}
 
 
 def live_readings(kept, rig):

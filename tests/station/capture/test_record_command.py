@@ -48,8 +48,8 @@ def test_software_triggers_are_given_by_the_command(station, tmp_path):
     path = tmp_path / "a.mcap"
     with small_camera("127.20.4.3"):
         arguments = ("--camera", "127.20.4.3", "--out", path, "--frames", 3)
-        code, out, _ = station("record", *arguments, "--trigger", "software")
-    assert code == 0
+        code, out, err = station("record", *arguments, "--trigger", "software")
+    assert code == 0, err
     assert "3 frames of 3 triggered recorded" in out
 
 
