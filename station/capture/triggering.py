@@ -65,7 +65,9 @@ class Triggering:
             self._refuse(CameraError("no frame came of the trigger; is the camera triggered?"))
 
     def end(self) -> None:
-        """Tell who still waits that the recording is finished."""
+        """Tell who still waits that the recording is finished, unless their frame is in it."""
+        # A recording ends when its last frame has arrived; it is written while the file is closed.
+        self.step(None)
         self._refuse(CameraError("the recording was finished before the frame came"))
 
     def _fire(self, camera: Camera, answer: Answer) -> None:

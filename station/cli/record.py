@@ -118,7 +118,10 @@ def _watch(client: CaptureClient, plan: RecordingPlan, progress: Progress) -> No
     start_s = time.monotonic()
     try:
         while (status := client.status()).state is not CaptureState.RECORDED:
-            if plan.trigger is Trigger.SOFTWARE:
+            # All may be there though the file is not closed yet: one more would come too late.
+            accounted = status.recorded + status.lost + status.refused
+            wanted = plan.frames is None or accounted < plan.frames
+            if plan.trigger is Trigger.SOFTWARE and wanted:
                 client.trigger()
             else:
                 time.sleep(_LOOK_INTERVAL_S)
