@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -85,8 +86,8 @@ def _questions(traffic: Traffic) -> dict[str, Question]:
     def after(turn: int) -> int:
         return 7919 * turn % traffic.measurements
 
-    def listed(session: Session, **of_which: object) -> object:
-        page = measurements_page(session, limit=_PAGE, **of_which)  # type: ignore[arg-type]  # by name
+    def listed(session: Session, **of_which: Any) -> object:
+        page = measurements_page(session, limit=_PAGE, **of_which)
         return places_of(session, page.rows)
 
     return {

@@ -99,7 +99,7 @@ class Outputs:
             written += write_miniprof(self.miniprof, document)
         if self.plot is not None:
             # Drawing is imported where it is asked for: every command passes through here.
-            from station.plots import write_plots  # noqa: PLC0415
+            from station.plots import write_plots  # noqa: PLC0415  see the line above
 
             written += write_plots(self.plot, document.wheels, reference())
         return written

@@ -81,7 +81,7 @@ def _url(settings: StationSettings) -> str:
 
 def _here(settings: StationSettings, sensor: str | None) -> list[Result]:
     # The answers' models are the API's, which nothing else on the command line needs.
-    from station.api.recalibration_answers import RecalibrationModel  # noqa: PLC0415
+    from station.api.recalibration_answers import RecalibrationModel  # noqa: PLC0415  see above
 
     log_as("recalibrate")  # to stderr, as stdout is the answer's
     rows = recalibrate_here(

@@ -5,39 +5,12 @@ Importing `calib` or the documents would make a new recorder late by a second.
 
 import json
 from dataclasses import dataclass, fields
-from typing import Protocol, Self
-
-
-class Camera(Protocol):
-    """OpenCV's camera model, by its numbers; `calib.CameraModel` is one."""
-
-    @property
-    def width(self) -> int: ...  # noqa: D102  all as OpenCV names them
-    @property
-    def height(self) -> int: ...  # noqa: D102
-    @property
-    def fx(self) -> float: ...  # noqa: D102
-    @property
-    def fy(self) -> float: ...  # noqa: D102
-    @property
-    def cx(self) -> float: ...  # noqa: D102
-    @property
-    def cy(self) -> float: ...  # noqa: D102
-    @property
-    def k1(self) -> float: ...  # noqa: D102
-    @property
-    def k2(self) -> float: ...  # noqa: D102
-    @property
-    def p1(self) -> float: ...  # noqa: D102
-    @property
-    def p2(self) -> float: ...  # noqa: D102
-    @property
-    def k3(self) -> float: ...  # noqa: D102
+from typing import Self
 
 
 @dataclass(frozen=True, slots=True)
 class CameraNumbers:
-    """The camera of a calibration."""
+    """The camera of a calibration, as OpenCV names its numbers; px."""
 
     width: int
     height: int

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from station.errors import InputUnusable, RecordingError, StationError
 from station.recording.activefile import active_path
-from station.recording.camera_numbers import Camera
+from station.recording.camera_numbers import CameraNumbers
 from station.recording.events import Event, EventKind
 from station.recording.info import info
 from station.recording.parts import (
@@ -100,7 +100,7 @@ class RotatingWriter:
         rotation: Rotation,
         metadata: Mapping[str, Mapping[str, str]] | None = None,
         attachments: Mapping[str, bytes] | None = None,
-        camera: Callable[[], Camera] | None = None,
+        camera: Callable[[], CameraNumbers] | None = None,
         reserve_bytes: int = 0,
         resume: bool = False,
         now_ns: Callable[[], int] = time.time_ns,

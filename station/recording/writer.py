@@ -14,7 +14,7 @@ from mcap.records import Attachment, Channel, Metadata, Schema
 from station.errors import DiskFull, RecordingError
 from station.recording.activefile import ActiveFile, active_path
 from station.recording.appender import Buffer, McapAppender, Message
-from station.recording.camera_numbers import Camera
+from station.recording.camera_numbers import CameraNumbers
 from station.recording.events import Event, EventKind
 from station.recording.rawimage import raw_image_around
 from station.recording.topics import Topic, channels_of, message_encoding, schema_of, topic_name
@@ -126,7 +126,7 @@ class RecordingWriter:
         """Append an event."""
         self._write(sensor, Topic.EVENTS, 0, event.time_ns, event.time_ns, (event.message(),))
 
-    def write_calibration(self, sensor: str, camera: Camera) -> None:
+    def write_calibration(self, sensor: str, camera: CameraNumbers) -> None:
         """Append the camera model in force."""
         now = self._now_ns()
         body = _camera_message(sensor, camera, now)
@@ -281,7 +281,7 @@ class RecordingWriter:
         }
 
 
-def _camera_message(sensor: str, camera: Camera, now_ns: int) -> bytes:
+def _camera_message(sensor: str, camera: CameraNumbers, now_ns: int) -> bytes:
     """Return a foxglove.CameraCalibration: OpenCV's K and D, no rectification."""
     message = CameraCalibration(
         frame_id=sensor,

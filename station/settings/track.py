@@ -59,7 +59,7 @@ class TrackSettings(Section):
             If rig y does not point to the field on both sides.
         """
         # 0.2 s that only a station with sensors on both sides needs to spend.
-        from measure import TrackFrame  # noqa: PLC0415
+        from measure import TrackFrame  # noqa: PLC0415  see the line above
 
         if self.distance_mm is not None:
             return TrackFrame.of_distance(

@@ -11,7 +11,7 @@ from mcap.reader import NonSeekingReader, make_reader
 from recording_samples import CALIBRATION, START_NS, make_recording
 
 from calib import CameraModel
-from station.recording import RecordingWriter
+from station.recording import CameraNumbers, RecordingWriter
 
 
 def test_plain_mcap_reader_gives_every_picture_back(tmp_path, rng):
@@ -76,7 +76,7 @@ def test_camera_model_is_a_foxglove_calibration(tmp_path):
     parameters = np.array([2315.8, 2312.4, 1004.9, 555.3, -0.1267, 0.1204, 1e-4, 2e-4, 0.0])
     camera = CameraModel.from_parameters(parameters, width=2048, height=1088)
     with RecordingWriter(tmp_path / "a.mcap") as writer:
-        writer.write_calibration("left", camera)
+        writer.write_calibration("left", CameraNumbers(2048, 1088, *parameters.tolist()))
     with (tmp_path / "a.mcap").open("rb") as file:
         _, _, message = next(make_reader(file).iter_messages(topics="/left/calibration"))
     found = CameraCalibration.FromString(message.data)

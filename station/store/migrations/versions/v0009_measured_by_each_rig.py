@@ -33,6 +33,7 @@ def downgrade() -> None:
         If a wheel was measured with several calibrations of a rig, and the caller of `migrate` did
         not say that all but the last may be lost.
     """
+    # Every word of these statements is this file's own, hence S608 below.
     again = (
         "SELECT id FROM measurements AS older WHERE EXISTS (SELECT 1 FROM measurements AS newer"
         " WHERE newer.recording_id = older.recording_id AND newer.frame = older.frame"
