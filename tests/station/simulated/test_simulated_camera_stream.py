@@ -172,16 +172,18 @@ def test_two_cameras_with_the_same_seed_drop_the_same_packets():
     assert counts[0] == counts[1] > 0
 
 
-@pytest.mark.parametrize("mode", ["SingleFrame", "MultiFrame"])
-def test_an_acquisition_of_so_many_frames_gives_so_many(mode):
-    with SimulatedCamera("127.10.3.5", ArraySource(PICTURES), options=FAST) as camera:
+@pytest.mark.parametrize(("mode", "count"), [("SingleFrame", 1), ("MultiFrame", 3)])
+def test_an_acquisition_of_so_many_frames_gives_so_many(mode, count):
+    with SimulatedCamera("127.10.3.5", ArraySource(PICTURES), options=PATIENT) as camera:
         receiver = Receiver(camera.address)
         receiver.device.set_string_feature_value("AcquisitionMode", mode)
         receiver.device.set_integer_feature_value("AcquisitionFrameCount", 3)
         with receiver:
-            frames = receiver.take(10, timeout_s=0.3)
+            frames = receiver.take(count)
+            assert receiver.next(timeout_s=0.3) is None  # 9 periods of the camera: nothing follows
         receiver.close()
-    assert len(frames) == {"SingleFrame": 1, "MultiFrame": 3}[mode]
+        assert camera.statistics().sent == count
+    assert [frame.frame_id for frame in frames] == list(range(1, count + 1))
 
 
 def test_line1_triggers_carry_their_times_exactly():
