@@ -17,7 +17,7 @@ from station.api.routes import ROUTERS
 from station.api.watch import Watch
 from station.operations import Passes, Sessions, Station, Uploads
 
-API_VERSION = "1.3.0"
+API_VERSION = "1.4.0"
 
 
 def build_app(

@@ -23,7 +23,7 @@ from station.bench.rig_calibration import bench_rig_calibration
 from station.bench.rig_intervals import bench_rig_intervals
 from station.bench.rig_times import bench_rig_times
 from station.bench.rig_wheels import bench_rig_wheels
-from station.bench.service_store import bench_service_store
+from station.bench.service import bench_service_store
 from station.bench.stripe import bench_stripe, bench_stripe_sigma
 from station.bench.sweeps import bench_sweeps
 from station.progress import Progress

@@ -8,8 +8,8 @@ import pytest
 from sqlalchemy import event
 
 from measure import Limits, Side
-from station.bench.filled_store import Traffic, fill
-from station.bench.service_store import bench_service_store
+from station.bench.service.filled_store import Traffic, fill
+from station.bench.service.store import bench_service_store
 from station.progress import silent
 from station.store import Store, measurements_page, migrate, places_of, profiles_of
 from station.trains import wheelset_trend

@@ -8,7 +8,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from sqlalchemy import inspect, text
 
-from station.bench.filled_store import Traffic, fill
+from station.bench.service.filled_store import Traffic, fill
 from station.errors import StationError
 from station.progress import silent
 from station.store import (

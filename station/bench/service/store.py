@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from measure import Limits, Side
 from station.bench.figures import Row, figure
-from station.bench.filled_store import Traffic, fill
+from station.bench.service.filled_store import Traffic, fill
 from station.progress import Progress
 from station.store import Store, measurements_page, migrate, places_of, sqlite_url
 from station.tables import Table

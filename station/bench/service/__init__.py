@@ -1,0 +1,5 @@
+"""What the running station reaches: its store, its API under load, its processes when killed."""
+
+from station.bench.service.store import bench_service_store
+
+__all__ = ["bench_service_store"]
