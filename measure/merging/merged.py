@@ -111,7 +111,8 @@ def merge(
         learnt = learn(nearer, learnt)
     if learnt is not None:
         strands = [strand.without(learnt) for strand in strands]
-        true = without_contradictions(laying.parts, _overlaps(strands, shift, template))
+        settled = [strand.settled() for strand in strands]
+        true = without_contradictions(laying.parts, _overlaps(settled, shift, template))
         if true is not None:
             return merge(replace(laying, parts=true), rig, survey, template)
     return replace(_joined(laying, strands, learnt, template), aside=aside)

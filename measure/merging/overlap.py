@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from calib import BoolArray, FloatArray, IntArray
 from measure.gauging.uncertainty import Learnt, Motions
@@ -39,6 +38,11 @@ class Strand:
         """Return the strand with what was learnt taken out of its points."""
         displaced = self.motions.displaced_mm(learnt.causes)
         return replace(self, points_mm=self.points_mm - displaced)
+
+    def settled(self) -> "Strand":
+        """Return the strand with no motion left: to be compared where nothing is to be learnt."""
+        none = np.zeros((len(self.points_mm), 2, 0))
+        return replace(self, motions=replace(self.motions, once_mm=none, shared_mm=none))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +90,9 @@ class Overlap:
             The reference.
         """
         ours, theirs = (_Stretches.of(each, shift_mm, template) for each in (one, other))
-        number, at, there = np.intersect1d(ours.number, theirs.number, return_indices=True)
+        number, at, there = np.intersect1d(
+            ours.number, theirs.number, assume_unique=True, return_indices=True
+        )
         return cls(
             apart_mm=ours.outside_mm[at] - theirs.outside_mm[there],
             sigma_mm=np.sqrt(ours.variance_mm2[at] + theirs.variance_mm2[there] + _FLOOR_MM**2),
@@ -117,26 +123,42 @@ class _Stretches:
         along, outside, nearest = template.place(strand.points_mm - shift_mm)
         inside = along < template.along_mm[-1] - _END_MM
         fit = np.flatnonzero(template.wears_smoothly(along) & inside)
-        place = np.floor(along[fit] / _STRETCH_MM)
-        number, member = np.unique(place.astype(np.int64), return_inverse=True)
+        place = np.floor(along[fit] / _STRETCH_MM).astype(np.int64)
+        order = np.argsort(place, kind="stable")
+        fit, place = fit[order], place[order]
+        number, start, member = np.unique(place, return_index=True, return_inverse=True)
         middle = (number + 0.5) * _STRETCH_MM
         weight, good = _line_weights(along[fit] - middle[member], strand.sigma_mm[fit], member)
         normal = template.outward[nearest[fit]]
+        sums = _WeightedSums(weight, start, good)
         causes = [strand.motions.once_mm[fit], strand.motions.shared_mm[fit]]
         motion = np.concatenate([_along(normal, each) for each in causes], axis=1)
-        gather = csr_array((weight, (member, np.arange(len(fit)))), shape=(len(number), len(fit)))[
-            np.flatnonzero(good)
-        ]
         of_point = np.full(len(along), -1, dtype=np.int64)
-        of_point[fit] = number[member]
+        of_point[fit] = place
         return cls(
             number=number[good],
-            outside_mm=np.asarray(gather @ outside[fit]),
-            variance_mm2=np.asarray(gather.power(2) @ strand.sigma_mm[fit] ** 2),
-            by_cause=np.asarray(gather @ motion),
-            outward=np.asarray(gather @ normal),
+            outside_mm=sums.of(outside[fit]),
+            variance_mm2=sums.of(weight * strand.sigma_mm[fit] ** 2),
+            by_cause=sums.of(motion),
+            outward=sums.of(normal),
             of_point=of_point,
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _WeightedSums:
+    """Sums over the points of each stretch, which come stretch after stretch."""
+
+    weight: FloatArray
+    start: IntArray
+    good: BoolArray
+
+    def of(self, values: FloatArray) -> FloatArray:
+        """Return the weighted sums of values of the points, shape (N,) or (N, K)."""
+        if not len(self.start):
+            return np.zeros((0, *values.shape[1:]))
+        weighted = (values.T * self.weight).T
+        return np.asarray(np.add.reduceat(weighted, self.start)[self.good])
 
 
 def _along(normal: FloatArray, motion_mm: FloatArray) -> FloatArray:
