@@ -10,7 +10,7 @@ from measure.errors import (
 )
 from measure.gauging.levels import EN_15313, GaugeLevels
 from measure.gauging.uncertainty import Budget
-from measure.grouping import each_wheel, group_into_wheels
+from measure.grouping import WheelSorter, each_wheel, group_into_wheels
 from measure.limits import BACK_TO_BACK_TSI, PRESETS, Limit, Limits
 from measure.mounting import Mounting, Survey
 from measure.piece import (
@@ -43,7 +43,7 @@ from measure.profiles.new_wheel import (
 from measure.profiles.text import parse_profile_csv, parse_profile_text
 from measure.quantities import OF_A_PROFILE, Alarm, Quantity, Reading, Status
 from measure.reference import ReferenceProfile
-from measure.shot import MAX_SKEW_S, Shot, WheelFrame, each_shot, group_into_shots
+from measure.shot import MAX_SKEW_S, Shot, ShotJoiner, WheelFrame, each_shot, group_into_shots
 from measure.train import (
     COMPARED,
     Axle,
@@ -136,6 +136,7 @@ __all__ = [
     "WheelOfAxle",
     "WheelQuality",
     "WheelReadings",
+    "WheelSorter",
     "ascii_fields",
     "assemble_train",
     "back_to_back",
@@ -153,6 +154,7 @@ __all__ = [
     "MAX_SKEW_S",
     "SensorShare",
     "Shot",
+    "ShotJoiner",
     "TreadPoint",
     "WheelPlace",
     "each_shot",

@@ -1,9 +1,9 @@
 """Frames, or shots, of a recording sorted into wheels, by time and by what they show."""
 
+import copy
 from collections.abc import Iterable, Iterator
-from itertools import groupby
-from operator import itemgetter
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from measure.shot import Shot, WheelFrame
 
@@ -26,7 +26,7 @@ def group_into_wheels(
 
 
 def each_wheel(
-    frames: Iterable[Seen], *, max_gap_s: float = MAX_GAP_S
+    frames: Iterable[Seen], *, max_gap_s: float = MAX_GAP_S, shown_before: bool = False
 ) -> Iterator[tuple[Seen, ...]]:
     """Yield the frames of one wheel after another, with those of one in memory.
 
@@ -34,8 +34,8 @@ def each_wheel(
     ----------
     frames
         In the order they were taken; or shots of a rig, in that order.
-    max_gap_s
-        Greatest time between frames of one wheel.
+    max_gap_s, shown_before
+        As of a `WheelSorter`.
 
     Yields
     ------
@@ -50,44 +50,100 @@ def each_wheel(
     ValueError
         If `max_gap_s` is not positive.
     """
-    if not max_gap_s > 0.0:
-        raise ValueError(f"max_gap_s must be positive, got {max_gap_s}")
-    for _, numbered in groupby(_by_series(frames, max_gap_s), key=itemgetter(0)):
-        yield from _wheels_of_series(frame for _, frame in numbered)
-
-
-def _wheels_of_series(series: Iterable[Seen]) -> Iterator[tuple[Seen, ...]]:
-    shown = False
-    dark: tuple[Seen, ...] = ()
-    for present, run in groupby(series, key=lambda frame: frame.shows_something):
-        if present:
-            shown = True
-            yield _thinned(run)
-        elif not shown:
-            dark = _thinned(run)
-    if not shown:
-        yield dark
-
-
-def _thinned(run: Iterable[Seen]) -> tuple[Seen, ...]:
-    kept: list[Seen] = []
-    step = 1
-    for place, frame in enumerate(run):
-        if place % step == 0:
-            kept.append(frame)
-        if len(kept) > MOST_FRAMES:
-            kept, step = kept[::2], 2 * step
-    return tuple(kept)
-
-
-def _by_series(frames: Iterable[Seen], max_gap_s: float) -> Iterator[tuple[int, Seen]]:
-    """Give each frame the number of its series, which a late one or another source begins."""
-    number, before = 0, None
+    sorter = WheelSorter[Seen](max_gap_s=max_gap_s, shown_before=shown_before)
     for frame in frames:
-        if before is not None and not _follows(before, frame, max_gap_s):
-            number += 1
-        yield number, frame
-        before = frame
+        wheel = sorter.add(frame)
+        if wheel is not None:
+            yield wheel
+    yield from sorter.wheels_left()
+
+
+class WheelSorter(Generic[Seen]):
+    """Sorts frames into wheels as they come; see `each_wheel`.
+
+    Parameters
+    ----------
+    max_gap_s
+        Greatest time between frames of one wheel.
+    shown_before
+        Whether the series that the first frame is of has shown a wheel already: so a sorter goes
+        on where another one was `clear`.
+    """
+
+    def __init__(self, *, max_gap_s: float = MAX_GAP_S, shown_before: bool = False) -> None:
+        if not max_gap_s > 0.0:
+            raise ValueError(f"max_gap_s must be positive, got {max_gap_s}")
+        self._max_gap_s = max_gap_s
+        self._shown_before = shown_before
+        self._last: Seen | None = None
+        self._run: _Run[Seen] = _Run()
+
+    def add(self, frame: Seen) -> tuple[Seen, ...] | None:
+        """Take the next frame; return the wheel that it shows to be over, where it does."""
+        last, self._last = self._last, frame
+        goes_on = last is None or _follows(last, frame, self._max_gap_s)
+        if last is not None and goes_on and last.shows_something == frame.shows_something:
+            self._run = self._run.and_then(frame)
+            return None
+        wheel = None
+        if not goes_on:
+            wheel, self._shown_before = self._ended_by(last), False
+        elif last is not None and last.shows_something:
+            wheel, self._shown_before = self._run.kept, True
+        empty: _Run[Seen] = _Run()
+        self._run = empty.and_then(frame)
+        return wheel
+
+    @property
+    def open_wheel(self) -> tuple[Seen, ...] | None:
+        """The wheel that may still go on, as it is were nothing to follow; None where none is."""
+        return self._ended_by(self._last)
+
+    @property
+    def clear(self) -> bool:
+        """Whether the last frame could as well be the first of another sorter's.
+
+        All wheels of frames before it have been returned then, and `shown_before` is what the
+        other one has to be told.
+        """
+        return self._run.length == 1 or self.open_wheel is None
+
+    @property
+    def shown_before(self) -> bool:
+        """Whether the series has shown a wheel before those frames that may still be one."""
+        return self._shown_before
+
+    def wheels_left(self, further: Iterable[Seen] = ()) -> list[tuple[Seen, ...]]:
+        """Return the wheels not yet returned, as they are were only these frames to follow."""
+        twin: WheelSorter[Seen] = copy.copy(self)
+        wheels: list[tuple[Seen, ...] | None] = []
+        for frame in further:
+            wheels.append(twin.add(frame))
+        wheels.append(twin.open_wheel)
+        return [wheel for wheel in wheels if wheel is not None]
+
+    def _ended_by(self, last: Seen | None) -> tuple[Seen, ...] | None:
+        """Return what the run that ends with `last` is, were its series to end there."""
+        if last is None or (self._shown_before and not last.shows_something):
+            return None
+        return self._run.kept
+
+
+@dataclass(frozen=True, slots=True)
+class _Run(Generic[Seen]):
+    """Frames that follow each other and are alike, thinned where they are many."""
+
+    kept: tuple[Seen, ...] = ()
+    step: int = 1
+    length: int = 0
+
+    def and_then(self, frame: Seen) -> "_Run[Seen]":
+        kept: tuple[Seen, ...] = self.kept
+        if self.length % self.step == 0:
+            kept += (frame,)
+        if len(kept) > MOST_FRAMES:
+            return _Run(kept[::2], 2 * self.step, self.length + 1)
+        return _Run(kept, self.step, self.length + 1)
 
 
 def _follows(before: Seen, after: Seen, max_gap_s: float) -> bool:

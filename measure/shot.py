@@ -1,5 +1,6 @@
 """What a wheel is measured from: frames, and the shots that sensors of one rig took together."""
 
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -103,37 +104,103 @@ def each_shot(
     ValueError
         If `max_skew_s` is negative, or some frames have a time and some have none.
     """
-    if not max_skew_s >= 0.0:
-        raise ValueError(f"max_skew_s must not be negative, got {max_skew_s}")
-    streams = [iter(each) for each in frames.values()]
-    heads = [next(stream, None) for stream in streams]
-    timed = {head.time_ns is not None for head in heads if head is not None}
+    joiner = ShotJoiner(tuple(frames), max_skew_s=max_skew_s)
+    streams = {sensor: iter(each) for sensor, each in frames.items()}
+    heads = {sensor: next(stream, None) for sensor, stream in streams.items()}
+    timed = {head.time_ns is not None for head in heads.values() if head is not None}
     if len(timed) > 1:
         raise ValueError("some sensors' frames have a time and some have none")
     if timed == {False}:
-        yield Shot(tuple(head for head in heads if head is not None))
-        for frames_alike in zip_longest(*streams):
+        yield Shot(tuple(head for head in heads.values() if head is not None))
+        for frames_alike in zip_longest(*streams.values()):
             yield Shot(tuple(frame for frame in frames_alike if frame is not None))
         return
-    while any(head is not None for head in heads):
-        times = [_time_of(head) for head in heads]
-        together = [time - min(times) <= max_skew_s * 1e9 for time in times]
-        yield Shot(
-            tuple(h for h, one in zip(heads, together, strict=True) if one and h is not None)
+    for sensor, head in heads.items():
+        yield from joiner.add(sensor, head)
+    while wanted := joiner.waits_for:
+        for sensor in wanted:
+            yield from joiner.add(sensor, next(streams[sensor], None))
+
+
+class ShotJoiner:
+    """Joins frames of several sensors into shots as they come; see `each_shot`.
+
+    Parameters
+    ----------
+    sensors
+        Which frames are waited for.
+    max_skew_s
+        Greatest time between two frames of one shot.
+
+    Raises
+    ------
+    ValueError
+        If `max_skew_s` is negative, or a frame has no time.
+    """
+
+    def __init__(self, sensors: Sequence[str], *, max_skew_s: float = MAX_SKEW_S) -> None:
+        if not max_skew_s >= 0.0:
+            raise ValueError(f"max_skew_s must not be negative, got {max_skew_s}")
+        self._max_skew_ns = max_skew_s * 1e9
+        self._queues = {sensor: deque[WheelFrame]() for sensor in sensors}
+        self._ended: frozenset[str] = frozenset()
+
+    @property
+    def waits_for(self) -> tuple[str, ...]:
+        """The sensors without whose next frame no further shot is certain."""
+        return tuple(
+            sensor
+            for sensor, queue in self._queues.items()
+            if not queue and sensor not in self._ended
         )
-        heads = [
-            next(stream, None) if one else head
-            for stream, head, one in zip(streams, heads, together, strict=True)
-        ]
+
+    @property
+    def frames_waiting(self) -> int:
+        """Frames of which it is not yet certain which shot they are of."""
+        return sum(map(len, self._queues.values()))
+
+    def add(self, sensor: str, frame: WheelFrame | None) -> list[Shot]:
+        """Take the next frame of a sensor, None where none follows; return the shots now certain.
+
+        A shot is certain only when every sensor has a frame that is not of an earlier one, or has
+        ended: until then the missing frame might be of this shot.
+        """
+        if frame is None:
+            self._ended |= {sensor}
+        else:
+            _time_of(frame)
+            self._queues[sensor].append(frame)
+        shots = []
+        while not self.waits_for:
+            shot = _next_shot(self._queues, self._max_skew_ns)
+            if shot is None:
+                break
+            shots.append(shot)
+        return shots
+
+    def left(self) -> list[Shot]:
+        """Return the shots not yet certain, as they are were nothing to follow."""
+        queues = {sensor: queue.copy() for sensor, queue in self._queues.items()}
+        return list(iter(lambda: _next_shot(queues, self._max_skew_ns), None))
 
 
-_NEVER = 1 << 80
+def _next_shot(queues: Mapping[str, deque[WheelFrame]], max_skew_ns: float) -> Shot | None:
+    """Take the earliest frames, taken together, off the queues; None where none is left."""
+    heads = {sensor: _time_of(queue[0]) for sensor, queue in queues.items() if queue}
+    if not heads:
+        return None
+    first_ns = min(heads.values())
+    return Shot(
+        tuple(
+            queues[sensor].popleft()
+            for sensor, time_ns in heads.items()
+            if time_ns - first_ns <= max_skew_ns
+        )
+    )
 
 
-def _time_of(frame: WheelFrame | None) -> int:
-    """Return when a frame was taken; after all others where there is none."""
-    if frame is None:
-        return _NEVER
+def _time_of(frame: WheelFrame) -> int:
+    """Return when a frame was taken."""
     if frame.time_ns is None:
         raise ValueError(f"frame {frame.frame} of {frame.source} has no time, others have one")
     return frame.time_ns

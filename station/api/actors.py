@@ -7,7 +7,7 @@ from fastapi import Depends, Request
 from station.store import Actor
 
 
-def _actor(request: Request) -> Actor:
+async def _actor(request: Request) -> Actor:  # async: a plain one is called in another thread
     host = None if request.client is None else request.client.host
     return Actor(request.state.caller.name, host)
 

@@ -10,6 +10,7 @@ from station.store import (
     Activation,
     Calibration,
     CalibrationState,
+    EndedBy,
     Job,
     JobState,
     PassState,
@@ -73,6 +74,9 @@ class PassModel(Out):
     train: str | None
     opened_at: datetime
     finished_at: datetime | None
+    ended_by: EndedBy | None
+    """The controller's finish, a time-out, or a start of the station at which nothing recorded any
+    more; null while it goes on, where it could not be armed, and of passes before version 1.4."""
     reason: str | None
     job: str | None
     """The job that measures it."""
@@ -91,7 +95,8 @@ class PassModel(Out):
             train=row.train,
             opened_at=row.opened_at,
             finished_at=row.finished_at,
-            reason=row.reason,
+            ended_by=row.ended_by,
+            reason="; ".join(why for why in (row.ended_why, row.reason) if why) or None,
             job=row.job_id,
             axles=row.axles,
             consist=None if row.consist is None else row.consist["wheelsets"],
@@ -113,6 +118,8 @@ class SessionModel(Out):
     pictures: int
     opened_at: datetime
     finished_at: datetime | None
+    ended_by: EndedBy | None
+    """As of a pass; a person's finish is a controller's."""
     reason: str | None
     recordings: list[RecordingModel]
 
@@ -129,16 +136,10 @@ class SessionModel(Out):
             pictures=row.pictures,
             opened_at=row.opened_at,
             finished_at=row.finished_at,
+            ended_by=row.ended_by,
             reason=row.reason,
             recordings=[RecordingModel.of(recording) for recording in view.recordings],
         )
-
-
-class RecordingsPage(Out):
-    """Some recordings; `next` is the `before` of the next page, absent on the last."""
-
-    recordings: list[RecordingModel]
-    next: str | None
 
 
 class JobModel(Out):
@@ -269,57 +270,3 @@ class ActivationModel(Out):
             activated_at=row.activated_at,
             activated_by=row.activated_by,
         )
-
-
-class SensorModel(Out):
-    """A sensor and how it is."""
-
-    id: str
-    side: str
-    address: str
-    state: str
-    """What its capture process says, or `unreachable`."""
-    problem: str | None
-    active_calibration: str | None
-    alarm: str | None
-    """Why its calibration may measure wrongly, as its last recalibration found."""
-    asks: str | None
-    """The recalibration that waits for a person."""
-
-
-class RigModel(Out):
-    """Sensors that look at the same wheel."""
-
-    id: str
-    side: str
-    sensors: list[str]
-    anchor: str
-    """The sensor whose mounting places it."""
-    active_calibration: str | None
-
-
-class StationModel(Out):
-    """The station and how it is."""
-
-    name: str
-    software: str
-    reference: str
-    sensors: list[SensorModel]
-    rigs: list[RigModel]
-    pass_in_progress: str | None
-    worker_ready: bool
-    disk_free_bytes: int
-    disk_total_bytes: int
-
-
-class Health(Out):
-    """The API answers."""
-
-    status: str
-
-
-class Readiness(Out):
-    """Which parts are ready; a part that is not says why."""
-
-    ready: bool
-    parts: dict[str, str]

@@ -16,6 +16,7 @@ from station.api.problems import PROBLEMS, answer_with_problems
 from station.api.routes import ROUTERS
 from station.api.watch import Watch
 from station.operations import Passes, Sessions, Station, Uploads
+from station.watching import Lookout
 
 API_VERSION = "1.4.0"
 
@@ -30,7 +31,8 @@ def build_app(
     InputUnusable
         If `admin_key` is too short.
     """
-    metrics, gate, uploads = Metrics(station), Gate(station, admin_key), Uploads(station)
+    lookout = Lookout(station, worker_ready)
+    metrics, gate, uploads = Metrics(station, lookout), Gate(station, admin_key), Uploads(station)
     uploads.take_up()
     app = _with_routes()
     app.state.parts = Parts(
@@ -40,6 +42,7 @@ def build_app(
         uploads=uploads,
         metrics=metrics,
         worker_ready=worker_ready,
+        lookout=lookout,
     )
     answer_with_problems(app)
     # The last one added is the first a call meets.

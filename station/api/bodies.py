@@ -30,11 +30,12 @@ class Bodies:
         if scope["type"] != "http" or (scope["method"], scope["path"]) in STREAMED:
             await self._app(scope, receive, send)
             return
+        headers = Headers(scope=scope)
         try:
             async with asyncio.timeout(self._within_s):
-                pieces = pieces_of(Headers(scope=scope), receive, self._most_bytes)
+                pieces = pieces_of(headers, receive, self._most_bytes)
                 body = b"".join([piece async for piece in pieces])
-            if "json" in Headers(scope=scope).get("Content-Type", "").lower():
+            if body and "json" in headers.get("Content-Type", "").lower():
                 ensure_fit(body)
         except TimeoutError:
             too_slow = BodyTooSlow(f"the body was not whole after {self._within_s:g} s; send again")

@@ -1,16 +1,16 @@
-"""What the capture processes count and measure, asked when Prometheus asks."""
+"""What the capture processes count and measure, as of the last look at the station."""
 
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Mapping
 
-from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
+from prometheus_client.core import Metric
 from prometheus_client.registry import Collector
 
+from station.api.families import by_sensor, counters, gauges
 from station.capture import CaptureStatus
-from station.errors import StationError
-from station.operations import Capture, Station
+from station.watching import Lookout
 
 _Read = Callable[[CaptureStatus], float | None]
+_PACKETS = "resent_packets"
 
 
 def _clock(name: str, scale: float) -> _Read:
@@ -28,7 +28,7 @@ _GAUGES: tuple[tuple[str, str, _Read], ...] = (
         lambda status: float(status.ring_slots),
     ),
     (
-        "station_ring_waiting",
+        "station_ring_waiting_frames",
         "Of them, those that wait to be written.",
         lambda status: float(status.ring_waiting),
     ),
@@ -38,9 +38,9 @@ _GAUGES: tuple[tuple[str, str, _Read], ...] = (
         _clock("clock_offset_ns", 1e-9),
     ),
     (
-        "station_clock_drift_ppm",
-        "By how much the camera's clock runs fast.",
-        _clock("clock_drift_ppm", 1.0),
+        "station_clock_drift_ratio",
+        "By which part the camera's clock runs fast.",
+        _clock("clock_drift_ppm", 1e-6),
     ),
     (
         "station_clock_residual_seconds",
@@ -52,51 +52,45 @@ _GAUGES: tuple[tuple[str, str, _Read], ...] = (
 
 
 class CaptureCollector(Collector):
-    """Asks every capture process for its status; one that does not answer is down."""
+    """Tells what the capture processes that answer said last; one that does not is down."""
 
-    def __init__(self, station: Station) -> None:
-        self._captures = station.captures
+    def __init__(self, lookout: Lookout, sensors: Iterable[str]) -> None:
+        self._lookout = lookout
+        self._sensors = tuple(sensors)
 
     def collect(self) -> Iterable[Metric]:
-        statuses = self._statuses()
-        up = GaugeMetricFamily(
-            "station_sensor_up", "Whether the sensor's camera is open.", labels=["sensor"]
+        statuses = self._lookout.look().statuses
+        up = {
+            sensor: sensor in statuses and statuses[sensor].problem is None
+            for sensor in self._sensors
+        }
+        yield gauges(
+            "station_sensor_up",
+            "Whether the sensor's camera is open.",
+            ["sensor"],
+            by_sensor((sensor, float(is_up)) for sensor, is_up in up.items()),
         )
-        for sensor, status in statuses.items():
-            up.add_metric([sensor], float(status is not None and status.problem is None))
-        yield up
-        known = {sensor: status for sensor, status in statuses.items() if status is not None}
-        yield _totals(known)
+        yield counters(
+            "station_sensor_frames",
+            "Frames by fate, since the sensor's capture process began.",
+            ["sensor", "fate"],
+            _frames(statuses),
+        )
+        yield counters(
+            "station_sensor_packets_resent",
+            "Packets that were lost and sent again, since the sensor's capture process began.",
+            ["sensor"],
+            by_sensor((sensor, each.totals.get(_PACKETS)) for sensor, each in statuses.items()),
+        )
         for name, text, read in _GAUGES:
-            family = GaugeMetricFamily(name, text, labels=["sensor"])
-            for sensor, status in known.items():
-                value = read(status)
-                if value is not None:
-                    family.add_metric([sensor], value)
-            yield family
-
-    def _statuses(self) -> dict[str, CaptureStatus | None]:
-        # All at a time: each that is down costs the seconds that a starting one is waited for.
-        with ThreadPoolExecutor(max_workers=max(1, len(self._captures))) as pool:
-            return dict(
-                zip(self._captures, pool.map(_status, self._captures.values()), strict=True)
-            )
+            values = ((sensor, read(status)) for sensor, status in statuses.items())
+            yield gauges(name, text, ["sensor"], by_sensor(values))
 
 
-def _status(capture: Capture) -> CaptureStatus | None:
-    try:
-        return capture.status()
-    except StationError:
-        return None
-
-
-def _totals(statuses: dict[str, CaptureStatus]) -> CounterMetricFamily:
-    family = CounterMetricFamily(
-        "station_capture",
-        "Frames by fate, and packets resent, since the sensor's capture process began.",
-        labels=["sensor", "what"],
-    )
-    for sensor, status in statuses.items():
-        for what, count in status.totals.items():
-            family.add_metric([sensor, what], count)
-    return family
+def _frames(statuses: Mapping[str, CaptureStatus]) -> dict[tuple[str, ...], float]:
+    return {
+        (sensor, fate): float(count)
+        for sensor, status in statuses.items()
+        for fate, count in status.totals.items()
+        if fate != _PACKETS
+    }

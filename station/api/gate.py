@@ -1,7 +1,10 @@
 """Which keys are good."""
 
 import secrets
+import time
 from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
 from datetime import datetime
 from threading import Lock
 
@@ -23,7 +26,17 @@ from station.store import (
 )
 
 _MOST_KNOWN = 256
+_TRUSTED_S = 1.0
+"""A key that was taken back or has expired opens nothing more so long after it, s."""
 _log = structlog.get_logger()
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """A key that was good when it was looked up."""
+
+    caller: Caller
+    looked_up_s: float
 
 
 class Gate:
@@ -33,6 +46,8 @@ class Gate:
     ----------
     admin_key
         A key that is good besides those of the store, from the environment of an automation.
+    clock
+        Seconds that never go back.
 
     Raises
     ------
@@ -40,16 +55,33 @@ class Gate:
         If that key is so short that it could be guessed.
     """
 
-    def __init__(self, station: Station, admin_key: str | None) -> None:
+    def __init__(
+        self,
+        station: Station,
+        admin_key: str | None,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         if admin_key is not None:
             ensure_unguessable(admin_key)
         self._station = station
         self._admin_sha256 = None if admin_key is None else digest(admin_key)
         web = station.settings.web
         self._throttle = Throttle(allowance=web.bad_keys, refill_s=web.bad_key_every_s)
-        self._known: OrderedDict[str, None] = OrderedDict()
-        """Digests of keys that were good when they came last."""
+        self._clock = clock
+        self._known: OrderedDict[str, _Known] = OrderedDict()
+        """Keys that were good when they were looked up last, by their digests."""
         self._lock = Lock()
+
+    def recall(self, key: str) -> Caller | None:
+        """Return whose key it is where the store said so within the last second, else None.
+
+        A controller that asks often would otherwise have its key looked up for every call, in
+        another thread, which takes as long as answering it.
+        """
+        known = self._known.get(digest(key))
+        lately = known is not None and self._clock() - known.looked_up_s < _TRUSTED_S
+        return known.caller if known is not None and lately else None
 
     def admit(self, key: str, address: str) -> Caller:
         """Return whose key it is.
@@ -71,8 +103,9 @@ class Gate:
                 f"too many bad keys from {address}; try again in {wait_s} s with a good one",
                 retry_after_s=wait_s,
             )
+        looked_up_s = self._clock()
         caller = self._caller(key, sha256)
-        self._remember(sha256, good=caller is not None)
+        self._remember(sha256, None if caller is None else _Known(caller, looked_up_s))
         if caller is None:
             self._throttle.note_bad_key(address)
             raise KeyRefused("the station does not accept this key; ask its administrator for one")
@@ -96,10 +129,10 @@ class Gate:
             # A full disk must not close the station to those who could look what is the matter.
             _log.warning("use of a key not noted", key=caller.key_id, why=type(error).__name__)
 
-    def _remember(self, sha256: str, *, good: bool) -> None:
+    def _remember(self, sha256: str, known: _Known | None) -> None:
         with self._lock:
             self._known.pop(sha256, None)
-            if good:
-                self._known[sha256] = None
+            if known is not None:
+                self._known[sha256] = known
                 if len(self._known) > _MOST_KNOWN:
                     self._known.popitem(last=False)

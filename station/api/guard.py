@@ -36,7 +36,8 @@ class Guard:
             await self._app(scope, receive, send)
             return
         try:
-            caller = await run_in_threadpool(self._caller, scope)
+            key = _key_in(scope)
+            caller = self._gate.recall(key) or await run_in_threadpool(self._admit, key, scope)
         except KeyRefused as error:
             answer = problem_answer(scope["path"], error)
             if scope["path"] in PAGES and answer.status_code == 401:
@@ -46,20 +47,25 @@ class Guard:
         scope.setdefault("state", {})["caller"] = caller
         await self._app(scope, receive, send)
 
-    def _caller(self, scope: Scope) -> Caller:
-        given = Headers(scope=scope).getlist("Authorization")
-        if len(given) > 1:
-            raise KeyRefused("two Authorization headers; send one")
-        scheme, _, credentials = "".join(given).partition(" ")
-        key = credentials.strip()
-        if scheme.lower() == "basic" and scope["path"] in PAGES:
-            key = _password_in(key)
-        elif scheme.lower() != "bearer":
-            key = ""
-        if not key:
-            raise KeyRefused(_NO_KEY)
+    def _admit(self, key: str, scope: Scope) -> Caller:
         host, _ = scope.get("client") or ("nowhere", 0)
         return self._gate.admit(key, host)
+
+
+def _key_in(scope: Scope) -> str:
+    """Return the key that a call carries; KeyRefused where there is none, or not one alone."""
+    given = Headers(scope=scope).getlist("Authorization")
+    if len(given) > 1:
+        raise KeyRefused("two Authorization headers; send one")
+    scheme, _, credentials = "".join(given).partition(" ")
+    key = credentials.strip()
+    if scheme.lower() == "basic" and scope["path"] in PAGES:
+        key = _password_in(key)
+    elif scheme.lower() != "bearer":
+        key = ""
+    if not key:
+        raise KeyRefused(_NO_KEY)
+    return key
 
 
 def _password_in(credentials: str) -> str:

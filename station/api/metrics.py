@@ -1,62 +1,45 @@
 """What the station counts, for Prometheus."""
 
-import shutil
-from collections.abc import Iterable
-
-from prometheus_client import CollectorRegistry, Counter, Histogram, generate_latest
-from prometheus_client.core import GaugeMetricFamily, Metric
-from prometheus_client.registry import Collector
+from prometheus_client import (
+    CollectorRegistry,
+    Counter,
+    Histogram,
+    ProcessCollector,
+    disable_created_metrics,
+    generate_latest,
+)
 
 from station.api.capture_metrics import CaptureCollector
+from station.api.host_metrics import HostCollector
+from station.api.patient_collector import PatientCollector
 from station.api.recalibration_metrics import RecalibrationCollector
+from station.api.store_metrics import StoreCollector
+from station.api.watching_metrics import WatchingCollector
+from station.api.work_metrics import WorkCollector
 from station.operations import Station
-from station.store import Job, Pass, counts_by_state, frame_totals
+from station.watching import Lookout
 
 _SECONDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 5.0, 20.0)
-
-
-class _StoreCollector(Collector):
-    """Reads counts from the store when they are asked for."""
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
-
-    def collect(self) -> Iterable[Metric]:
-        with self._station.store.look() as session:
-            passes = counts_by_state(session, Pass)
-            jobs = counts_by_state(session, Job)
-            frames = frame_totals(session)
-        yield _by_label("station_passes", "Passes by state.", "state", passes)
-        yield _by_label("station_jobs", "Jobs by state.", "state", jobs)
-        yield _frames(frames)
-        free = shutil.disk_usage(self._station.layout.root).free
-        yield GaugeMetricFamily("station_disk_free_bytes", "Space left for data.", value=free)
-
-
-def _frames(counts: dict[tuple[str, str], int]) -> GaugeMetricFamily:
-    family = GaugeMetricFamily(
-        "station_frames", "Frames of all recordings by fate.", labels=["sensor", "fate"]
-    )
-    for labels, count in counts.items():
-        family.add_metric(labels, count)
-    return family
-
-
-def _by_label(name: str, text: str, label: str, values: dict[str, int]) -> GaugeMetricFamily:
-    family = GaugeMetricFamily(name, text, labels=[label])
-    for value, count in values.items():
-        family.add_metric([value], count)
-    return family
+_METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "DELETE", "PATCH", "OPTIONS"})
 
 
 class Metrics:
     """The station's metrics, in a registry of their own."""
 
-    def __init__(self, station: Station) -> None:
+    def __init__(self, station: Station, lookout: Lookout) -> None:
+        # Three more lines for each route, which nobody asks for.
+        disable_created_metrics()  # type: ignore[no-untyped-call]  # the library has no types here
         self._registry = CollectorRegistry()
-        self._registry.register(_StoreCollector(station))
-        self._registry.register(CaptureCollector(station))
-        self._registry.register(RecalibrationCollector(station))
+        parts = {
+            "watching": WatchingCollector(lookout, station.settings.name),
+            "capture": CaptureCollector(lookout, station.captures),
+            "store": StoreCollector(station),
+            "work": WorkCollector(station),
+            "calibrations": RecalibrationCollector(station),
+            "host": HostCollector(station),
+        }
+        self._registry.register(PatientCollector(parts))
+        ProcessCollector(registry=self._registry)
         self._answered = Counter(
             "station_http_requests",
             "Requests answered.",
@@ -73,6 +56,8 @@ class Metrics:
 
     def count(self, method: str, route: str, status: int, seconds: float) -> None:
         """Count an answered request; `route` is the template, never the address itself."""
+        # A caller may invent methods too, and each would be kept for ever.
+        method = method if method in _METHODS else "other"
         self._answered.labels(method, route, str(status)).inc()
         self._seconds.labels(method, route).observe(seconds)
 

@@ -1,13 +1,15 @@
 """The parts that the routes work with; `build_app` puts them together."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Annotated
 
+from anyio import CapacityLimiter
 from fastapi import Depends, Request
 
 from station.api.metrics import Metrics
 from station.operations import Passes, Sessions, Station, Uploads
+from station.watching import Lookout
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,11 +22,18 @@ class Parts:
     uploads: Uploads
     metrics: Metrics
     worker_ready: Callable[[], bool]
+    lookout: Lookout
+    looking: CapacityLimiter = field(default_factory=lambda: CapacityLimiter(1))
+    """Pictures are shown one at a time: a train may pass meanwhile."""
 
 
-def _parts(request: Request) -> Parts:
+async def _parts(request: Request) -> Parts:  # async: a plain one is called in another thread
     parts: Parts = request.app.state.parts
-    return parts
+    names = getattr(request.state, "names", None)
+    if names is None:
+        return parts
+    # What this call makes is named after the call: it may come again.
+    return replace(parts, station=replace(parts.station, new_id=names))
 
 
 PartsOf = Annotated[Parts, Depends(_parts)]

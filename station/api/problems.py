@@ -50,6 +50,8 @@ class Problem(BaseModel):
     status: int
     detail: str
     instance: str
+    request: str | None = None
+    """The id of the call, as in the X-Request-Id of the answer and in the station's log."""
     state: str | None = None
     """The present state, where that is what forbids the call."""
 
@@ -78,7 +80,6 @@ def answer_with_problems(app: FastAPI) -> None:
     app.add_exception_handler(CalibError, known)
     app.add_exception_handler(RequestValidationError, _answer_invalid)
     app.add_exception_handler(HTTPException, _answer_http)
-    app.add_exception_handler(Exception, _answer_unknown)
 
 
 def problem_answer(path: str, error: Exception) -> JSONResponse:
@@ -118,13 +119,14 @@ async def _answer_http(request: Request, error: Exception) -> JSONResponse:
     return answer
 
 
-async def _answer_unknown(request: Request, error: Exception) -> JSONResponse:
-    _log.error("request failed unexpectedly", path=request.url.path, exc_info=error)
+def unforeseen_answer(path: str, error: Exception) -> JSONResponse:
+    """Log an error that nobody foresaw; return an answer that tells nothing of it."""
+    _log.error("request failed unexpectedly", path=path, exc_info=error)
     return _answer(
-        request.url.path,
+        path,
         status=500,
         name="InternalError",
-        detail="the station failed unexpectedly; its log says more",
+        detail="the station failed unexpectedly; its log says more, under the request's id",
     )
 
 
@@ -143,6 +145,7 @@ def _answer(
         status=status,
         detail=detail,
         instance=path,
+        request=structlog.contextvars.get_contextvars().get("request"),
         state=state,
     )
     headers = {"WWW-Authenticate": "Bearer"} if status == 401 else {}

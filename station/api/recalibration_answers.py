@@ -5,6 +5,7 @@ from datetime import datetime
 from typing import Self
 
 from station.api.answers import Out
+from station.api.paging import next_of
 from station.recalibration import Action, Outcome
 from station.store import (
     Activation,
@@ -87,7 +88,7 @@ class RecalibrationsPage(Out):
         last = page.rows[-1] if page.more else None
         return cls(
             recalibrations=[RecalibrationModel.of(row) for row in page.rows],
-            next=f"{last.ordered_at.isoformat()} {last.id}" if last else None,
+            next=None if last is None else next_of(last.ordered_at, last.id),
         )
 
 

@@ -6,7 +6,7 @@ from fastapi import Path, Query
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from station.documents import BOARD_SIGMA_MM
-from station.operations import MethodName
+from station.operations import MethodName, ReferenceName
 from station.settings import SensorId
 from station.trains import Consist, Named, Orientation, Wheelset
 
@@ -24,10 +24,11 @@ RigInPath = Annotated[str, Path(pattern=r"^[a-z0-9][a-z0-9_-]{0,31}$")]
 RecordingInPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,127}$")]
 SensorInPath = Annotated[str, Path(pattern=r"^[a-z0-9][a-z0-9_-]{0,31}$")]
 Limit = Annotated[int, Query(ge=1, le=1000, description="Rows of a page at most.")]
-TargetGiven = Annotated[str, StringConstraints(max_length=64)]
-Count = Annotated[int, Field(ge=0, le=100_000)]
 # Some databases hold no NUL, and no page shows the others.
 _PRINTABLE = r"^[^\x00-\x1f\x7f]*$"
+TrainName = Annotated[str, StringConstraints(max_length=128, pattern=_PRINTABLE)]
+TargetGiven = Annotated[str, StringConstraints(max_length=64)]
+Count = Annotated[int, Field(ge=0, le=100_000)]
 Label = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=_PRINTABLE)]
 
 
@@ -70,7 +71,7 @@ class _WithConsist(_In):
 class PassRequest(_WithConsist):
     """A train comes."""
 
-    train: Annotated[str, StringConstraints(max_length=128, pattern=_PRINTABLE)] | None = None
+    train: TrainName | None = None
     """What the controller calls the train."""
 
 
@@ -122,6 +123,22 @@ class RigCalibrationRequest(_In):
     """Whether it is one board that all sensors see, not one each, rigidly joined."""
     board_sigma_mm: float = Field(default=BOARD_SIGMA_MM, gt=0.0, le=1.0)
     """How far each dot is from its place on the board, one sigma, mm."""
+
+
+class ReplayRequest(_In):
+    """Recordings are to be measured once more, with calibrations chosen here."""
+
+    recordings: tuple[RecordingName, ...] = Field(default=(), max_length=1000)
+    """Also uploaded ones."""
+    pass_id: CallersId | None = Field(default=None, alias="pass")
+    """In place of recordings: all of its own."""
+    calibrations: dict[SensorId, CallersId] = Field(default_factory=dict, max_length=16)
+    """One for each sensor of the recordings."""
+    rig_calibration: CallersId | None = None
+    """For sensors of a rig, which are then measured together; with it `calibrations` may lack those
+    that they were recorded, or the rig was solved, with."""
+    reference: ReferenceName | None = None
+    """Reference profile; absent: the station's."""
 
 
 class ActivationRequest(_In):

@@ -2,16 +2,14 @@
 
 import time
 from typing import Final
-from uuid import uuid4
 
-import structlog
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from station.api.guard import OPEN
 from station.api.metrics import Metrics
+from station.api.problems import unforeseen_answer
+from station.api.request_log import REQUEST_ID, about_call, note_answer, request_id_of
 
-_log = structlog.get_logger()
 _HEADERS: Final = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
@@ -35,23 +33,29 @@ class Watch:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        request_id, began_s, status = uuid4().hex[:12], time.perf_counter(), 500
+        request_id, began_s, status, begun = request_id_of(scope), time.perf_counter(), 500, False
 
         async def send_watched(message: Message) -> None:
-            nonlocal status
+            nonlocal status, begun
             if message["type"] == "http.response.start":
-                status = message["status"]
+                status, begun = message["status"], True
                 headers = MutableHeaders(scope=message)
-                headers["X-Request-Id"] = request_id
+                headers[REQUEST_ID] = request_id
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
                 if scope["scheme"] == "https":
                     headers.setdefault(*_STAY_ENCRYPTED)
             await send(message)
 
-        with structlog.contextvars.bound_contextvars(request=request_id):
+        with about_call(scope, request_id):
             try:
                 await self._app(scope, receive, send_watched)
+            except Exception as error:
+                # Here, as the framework answers outside of this: without an id, without headers.
+                answer = unforeseen_answer(scope["path"], error)
+                if begun:
+                    raise  # the server breaks the answer off, and the caller sees that
+                await answer(scope, receive, send_watched)
             finally:
                 self._note(scope, status, time.perf_counter() - began_s)
 
@@ -59,12 +63,4 @@ class Watch:
         # An address that no route knows is counted as one: names from outside never become labels.
         route = getattr(scope.get("route"), "path", "unknown")
         self._metrics.count(scope["method"], route, status, seconds)
-        if scope["path"] in OPEN:  # asked by probes every second
-            return
-        _log.info(
-            "answered",
-            method=scope["method"],
-            path=scope["path"],
-            status=status,
-            ms=round(1000.0 * seconds, 1),
-        )
+        note_answer(scope, status, seconds)

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _TICKS_PER_S = os.sysconf("SC_CLK_TCK")
-_USER_TIME, _SYSTEM_TIME = 11, 12  # fields of /proc/PID/stat behind the name, proc(5) less three
+# Fields of /proc/PID/stat behind the name, proc(5) less three.
+_PARENT, _USER_TIME, _SYSTEM_TIME = 1, 11, 12
+_TIMES_WITH_REAPED = slice(11, 15)  # these times, then those of children that were waited for
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,31 @@ def usage_of(pid: int) -> Usage:
 def children_of(pid: int) -> list[int]:
     """Return the processes that the main thread of another one started."""
     return [int(word) for word in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def parent_of(pid: int) -> int:
+    """Return the process that another one belongs to: who started it, or who took it over."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return int(fields[_PARENT])
+
+
+def core_s_of_family(pid: int) -> float:
+    """Return the processor seconds of a process and all that descend from it, also ended ones.
+
+    A process that ends meanwhile is counted once its parent has waited for it, which is at once.
+    """
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        threads = [int(name) for name in os.listdir(f"/proc/{pid}/task")]
+        children = {
+            int(word)
+            for thread in threads
+            for word in Path(f"/proc/{pid}/task/{thread}/children").read_text().split()
+        }
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+    own_s = sum(int(field) for field in fields[_TIMES_WITH_REAPED]) / _TICKS_PER_S
+    return own_s + sum(core_s_of_family(child) for child in children)
 
 
 def has_ended(pid: int) -> bool:

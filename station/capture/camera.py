@@ -166,7 +166,7 @@ class Camera:
         if not self._camera.is_gv_device():
             return
         if not self._device.is_controller():
-            raise CameraRefused(_taken(self._settings.address))
+            raise ControlHeld(_taken(self._settings.address))
         self.tick_frequency_hz = self._device.get_timestamp_tick_frequency()
         self._link = GevLink(self._device, self._settings.address, self.tick_frequency_hz)
 
@@ -219,6 +219,10 @@ class Camera:
             ) from error
 
 
+class ControlHeld(CameraRefused):
+    """Another program controls the camera, or one did that died a moment ago."""
+
+
 def _opened(address: str) -> Any:
     if address == FAKE:
         Aravis.enable_interface("Fake")
@@ -231,7 +235,7 @@ def _opened(address: str) -> Any:
         return Aravis.Camera.new(address)
     except GLib.Error as error:
         if error.matches(Aravis.device_error_quark(), Aravis.DeviceError.NOT_CONTROLLER):
-            raise CameraRefused(_taken(address)) from error
+            raise ControlHeld(_taken(address)) from error
         raise CameraUnreachable(
             f"camera {address} answers but cannot be opened: {error.message}; try again in a minute"
         ) from error

@@ -1,13 +1,17 @@
 """Commanding a capture process from another one."""
 
 import json
+import logging
 import multiprocessing
 import os
 import socket
 import time
+from collections.abc import Callable
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import structlog
 
 from station import errors
 from station.capture.plan import CaptureReport, RecordingPlan
@@ -117,14 +121,22 @@ class CaptureClient:
         )
 
 
-def start_capture(settings: "SensorSettings", socket_path: Path) -> BaseProcess:
+def start_capture(
+    settings: "SensorSettings", socket_path: Path, *, log: Callable[[], None] | None = None
+) -> BaseProcess:
     """Start the capture process of a sensor; it ends with the process that starts it.
 
     It is spawned, never forked: a fork of a process that has used Aravis carries dead threads.
+
+    Parameters
+    ----------
+    log
+        Sets up the logging of the process; without it nothing is logged, as where a person waits
+        for one recording and is told by the report.
     """
     process = multiprocessing.get_context("spawn").Process(
         target=_run,
-        args=(settings, socket_path, os.getpid()),
+        args=(settings, socket_path, os.getpid(), log or log_nothing),
         name=f"capture {settings.id}",
         daemon=True,
     )
@@ -132,9 +144,17 @@ def start_capture(settings: "SensorSettings", socket_path: Path) -> BaseProcess:
     return process
 
 
-def _run(settings: "SensorSettings", socket_path: Path, parent_pid: int) -> None:
+def log_nothing() -> None:
+    """Keep a process from logging; by itself it would log to stdout."""
+    structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.CRITICAL))
+
+
+def _run(
+    settings: "SensorSettings", socket_path: Path, parent_pid: int, log: Callable[[], None]
+) -> None:
     from station.capture.process import run_capture  # noqa: PLC0415  only this process loads Aravis
 
+    log()
     run_capture(settings, socket_path, parent_pid)
 
 

@@ -68,10 +68,12 @@ class ControlServer:
     def orders(self, timeout_s: float) -> list[tuple[Caller, dict[str, Any]]]:
         """Return the orders that have come; wait for the first so long at most."""
         found = []
-        for key, _ in self._selector.select(timeout_s):
-            if key.data is None:
-                self._accept()
-                continue
+        ready = self._selector.select(timeout_s)
+        if any(key.data is None for key, _ in ready):
+            self._accept()
+            # Its order has mostly come with it, and the next look is a frame away.
+            ready = [each for each in self._selector.select(0.0) if each[0].data is not None]
+        for key, _ in ready:
             caller: Caller = key.data
             if not self._read(caller):
                 self._forget(caller)

@@ -45,6 +45,8 @@ class Intake:
         self.last_time_ns: int | None = None
         self.last_recorded_id: int | None = None
         self.heard_s = time.monotonic()
+        """When the last frame came, or the camera was opened."""
+        self.frame_s: float | None = None
         """When the last frame came."""
         self.failure: StationError | None = None
         """Why nothing more is written."""
@@ -123,7 +125,7 @@ class Intake:
         self._put(event)
 
     def _take(self, frame: ReceivedFrame) -> None:
-        self.heard_s = time.monotonic()
+        self.heard_s = self.frame_s = time.monotonic()
         surplus = self._limit is not None and self.account.accounted >= self._limit
         wanted = not surplus and self.account.arrive(frame.frame_id, frame.flaw)
         if not wanted or frame.frame_id is None:

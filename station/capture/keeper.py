@@ -3,6 +3,8 @@
 import time
 from dataclasses import dataclass
 
+import structlog
+
 from station.capture.camera import Camera
 from station.capture.link import RecorderLink
 from station.capture.ring import Ring
@@ -16,6 +18,7 @@ _SILENT_CHECK_INTERVAL_S = 0.3
 _SENDING_S = 0.25
 _RETRY_INTERVAL_S = 1.0
 _FIRST_TRY_S = 0.3
+_log = structlog.get_logger()
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,11 +58,12 @@ class CameraKeeper:
                 camera = Camera(self._settings)
                 self.description = camera.description()
             except CameraError as error:
-                self.problem = str(error)
+                self._note(str(error))
                 raise
             finally:
                 self._next_s = time.monotonic() + _RETRY_INTERVAL_S
-            self.camera, self.problem = camera, None
+            self.camera = camera
+            self._note(None)
         ring, link = self._ring_for(self.camera)
         return self.camera, ring, link
 
@@ -102,6 +106,14 @@ class CameraKeeper:
             )
         return None
 
+    def look_after_recorder(self) -> None:
+        """Have a recorder that died between two recordings followed by another at once.
+
+        A train does not wait for one to start.
+        """
+        if self._link is not None and not self._link.is_recording:
+            self._link.ensure_alive()
+
     def is_due(self) -> bool:
         """Whether to try again to open the camera."""
         return self.camera is None and time.monotonic() >= self._next_s
@@ -112,7 +124,17 @@ class CameraKeeper:
             self.camera.close(lost=True)
             # Those who ask for the state hear of it before the next try makes them wait.
             self._next_s = time.monotonic() + _FIRST_TRY_S
-        self.camera, self.problem = None, problem
+        self.camera = None
+        self._note(problem)
+
+    def _note(self, problem: str | None) -> None:
+        """Keep why there is no camera; what is tried every second is logged when it changes."""
+        if problem != self.problem:
+            if problem is None:
+                _log.info("camera open", address=self._settings.address)
+            else:
+                _log.warning("camera not there", address=self._settings.address, why=problem)
+        self.problem = problem
 
     def close(self) -> None:
         """Let go of everything; a recorder with an open file finishes it."""

@@ -15,7 +15,7 @@ from station import errors
 from station.capture.plan import RecordingPlan
 from station.capture.ring import Ring
 from station.errors import RecordingError, StationError
-from station.recording import Event
+from station.recording import Event, active_path, info, left_behind
 
 _START_TIMEOUT_S = 20.0
 _FINISH_TIMEOUT_S = 60.0
@@ -106,14 +106,31 @@ class RecorderLink:
             "reserve_bytes": plan.reserve_bytes,
         }
         self._paths = (plan.path,)
-        if self._process.poll() is not None:  # it died while there was nothing to do
-            self._close()
-            self._start()
+        self.ensure_alive()
         try:
-            self._ask({**self._opening, "resume": False}, _START_TIMEOUT_S)
+            self._begin()
         except StationError:
             self._opening = {}
             raise
+
+    def _begin(self) -> None:
+        try:
+            self._ask({**self._opening, "resume": False}, _START_TIMEOUT_S)
+        except RecorderDied:
+            # Killed at this very moment; nothing is in the file yet that another could not write.
+            self._close()
+            self._start()
+            begun = active_path(self._paths[0]).exists()
+            self._ask({**self._opening, "resume": begun}, _START_TIMEOUT_S)
+
+    def ensure_alive(self) -> None:
+        """Start another recorder where this one died with nothing to do.
+
+        One that dies in the middle of a recording is followed by `restart`.
+        """
+        if self._process.poll() is not None:
+            self._close()
+            self._start()
 
     def discard(self) -> None:
         """Take back the recording just opened."""
@@ -166,6 +183,18 @@ class RecorderLink:
         self._opening = {}
         self._paths = tuple(Path(path) for path in answer["paths"])
         return int(answer["finished"])
+
+    def finished_unsaid(self) -> int | None:
+        """Return how many frames a recorder finished that died before it said so.
+
+        None where it had not come so far.
+        """
+        parts = [part for _, part in left_behind(self._paths[0])]
+        if not parts or any(active_path(part).exists() for part in parts):
+            return None
+        self._opening = {}
+        self._paths = tuple(parts)
+        return sum(sensor.frames for part in parts for sensor in info(part).sensors)
 
     def kill(self) -> None:
         """End a recorder that is stuck; the next order finds it dead."""

@@ -9,6 +9,8 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import structlog
+
 from station.capture.control import Caller, ControlServer, refusal
 from station.capture.plan import RecordingPlan
 from station.capture.sensor_capture import SensorCapture
@@ -80,8 +82,7 @@ class CaptureProcess:
             case "status":
                 caller.answer({"status": self._capture.status().to_json()})
             case "arm":
-                self._capture.arm(RecordingPlan.from_json(order["plan"]))
-                caller.answer({})
+                self._capture.arm(RecordingPlan.from_json(order["plan"]), caller.answer)
             case "trigger":
                 self._capture.trigger(caller.answer)
             case "finish":
@@ -103,6 +104,7 @@ def run_capture(settings: SensorSettings, socket_path: Path, parent_pid: int) ->
         The process to end with.  Asked for here it would be another's, had the parent died already.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    structlog.contextvars.bind_contextvars(sensor=settings.id)
     process = CaptureProcess(settings, socket_path, parent_pid)
     signal.signal(signal.SIGTERM, lambda *_: process.end())
     process.run()

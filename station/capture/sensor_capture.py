@@ -4,16 +4,32 @@ import math
 import time
 from dataclasses import dataclass, replace
 
-from station.capture.control import Answer
+import structlog
+
+from station.capture.camera import ControlHeld
+from station.capture.control import Answer, refusal
 from station.capture.keeper import CameraKeeper
 from station.capture.plan import CaptureReport, RecordingPlan, Trigger
 from station.capture.session import CaptureSession
 from station.capture.status import CaptureState, CaptureStatus
 from station.capture.triggering import Triggering
-from station.errors import CameraError, StateConflict
+from station.errors import CameraError, CameraRefused, StateConflict, StationError
 from station.settings import SensorSettings
 
 _COUNTED = ("recorded", "lost", "refused", "repeated", "resent_packets")
+_log = structlog.get_logger()
+
+
+_CONTROL_LASTS_S = 4.0
+"""A camera obeys a program that was killed until it has missed its heartbeat for 3 s."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Arming:
+    """A caller that waits for the camera to be free of the capture process before this one."""
+
+    plan: RecordingPlan
+    answer: Answer
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +52,9 @@ class SensorCapture:
         self._keeper = CameraKeeper(settings)
         self._session: CaptureSession | None = None
         self._triggering: Triggering | None = None
+        self._arming: _Arming | None = None
         self._finishing: _Finishing | None = None
+        self._until_free_s = time.monotonic() + _CONTROL_LASTS_S
         self._report: CaptureReport | None = None
         self._totals = dict.fromkeys(_COUNTED, 0)
 
@@ -62,11 +80,27 @@ class SensorCapture:
         status = self._session.status(base)
         return replace(status, totals=_added(self._totals, status))
 
-    def arm(self, plan: RecordingPlan) -> None:
-        """Open the recording and let the camera acquire."""
+    def arm(self, plan: RecordingPlan, answer: Answer) -> None:
+        """Open the recording and let the camera acquire; answer when it does.
+
+        That is at once, unless the process before this one was killed and holds the camera still.
+        """
+        if self._arming is not None:
+            raise StateConflict("the sensor is being armed already", state=str(self.state))
+        try:
+            self._begin(plan)
+        except ControlHeld as error:
+            if time.monotonic() > self._until_free_s:
+                raise CameraRefused(str(error)) from error
+            self._arming = _Arming(plan, answer)
+        else:
+            answer({})
+
+    def _begin(self, plan: RecordingPlan) -> None:
         camera, ring, link = self._keeper.ensure_open()
         self._drop_session()
         self._session = CaptureSession(plan, camera, ring, link)
+        _log.info("recording began", **_names(plan), trigger=str(plan.trigger))
         self._triggering = Triggering(self._session)
 
     def trigger(self, answer: Answer) -> None:
@@ -88,6 +122,8 @@ class SensorCapture:
 
     def step(self) -> None:
         """Take the frames that have come, answer who waits for them, look after the camera."""
+        if self._arming is not None and self._keeper.is_due():
+            self._arm_again(self._arming)
         if self._session is not None:
             self._session.intake.step()
         if self._triggering is not None:
@@ -95,6 +131,13 @@ class SensorCapture:
         if self._session is not None:
             self._finish_when_due(self._session)
         self._watch_camera()
+
+    def _arm_again(self, waiting: _Arming) -> None:
+        self._arming = None
+        try:
+            self.arm(waiting.plan, waiting.answer)
+        except StationError as error:
+            waiting.answer(refusal(error))
 
     def close(self) -> None:
         """Finish a recording under way and let go of the camera."""
@@ -119,6 +162,7 @@ class SensorCapture:
             self._report = session.finish(self._keeper.camera, expected)
             if self._triggering is not None:
                 self._triggering.end()
+            _log_end(session.plan, self._report)
         return self._report
 
     def _hand_over(self, report: CaptureReport, answer: Answer) -> None:
@@ -139,6 +183,7 @@ class SensorCapture:
         session = self._session if self._report is None else None
         heard_s = 0.0 if session is None else session.intake.heard_s
         if self._keeper.is_check_due(heard_s):
+            self._keeper.look_after_recorder()
             self._check_camera(session)
         elif self._keeper.is_due():
             try:
@@ -160,6 +205,17 @@ class SensorCapture:
             self._keeper.drop(trouble.problem)
         elif session is not None and self._keeper.camera is not None:
             session.ask_clock(self._keeper.camera)
+
+
+def _names(plan: RecordingPlan) -> dict[str, str]:
+    """Return the names of a recording as the log has them."""
+    return {name: plan.metadata[name] for name in ("recording", "pass") if name in plan.metadata}
+
+
+def _log_end(plan: RecordingPlan, report: CaptureReport) -> None:
+    say = _log.info if report.complete else _log.warning
+    counts = {name: getattr(report, name) for name in ("triggered", *_COUNTED)}
+    say("recording finished", **_names(plan), **counts, complete=report.complete)
 
 
 def _added(totals: dict[str, int], status: CaptureStatus) -> dict[str, int]:

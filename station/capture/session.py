@@ -68,11 +68,14 @@ class CaptureSession:
 
     def status(self, base: CaptureStatus) -> CaptureStatus:
         """Return the process's status with this recording in it."""
-        account = self.intake.account
+        account, now_s = self.intake.account, time.monotonic()
+        last_s = self._started_s if self.intake.frame_s is None else self.intake.frame_s
         return replace(
             base,
             session_id=self.plan.session_id,
             path=self.plan.path,
+            recording_s=now_s - self._started_s,
+            silent_s=now_s - last_s,
             recorded=account.recorded,
             lost=account.lost,
             refused=account.refused,
@@ -197,6 +200,9 @@ class CaptureSession:
         try:
             return self._link.finish(accounting)
         except RecorderDied:
+            finished = self._link.finished_unsaid()
+            if finished is not None:
+                return finished
             self.intake.revive()
             self._settle()
             return self._link.finish(accounting)

@@ -34,6 +34,10 @@ class CaptureStatus:
     """What the camera is and how it is set."""
     session_id: str | None = None
     path: Path | None = None
+    recording_s: float | None = None
+    """How long the recording has been made, by a clock that nobody sets."""
+    silent_s: float | None = None
+    """How long ago its last frame came, or the recording began where none has come."""
     recorded: int = 0
     lost: int = 0
     refused: int = 0
@@ -59,6 +63,8 @@ class CaptureStatus:
             "camera": dict(self.camera),
             "session_id": self.session_id,
             "path": None if self.path is None else str(self.path),
+            "recording_s": self.recording_s,
+            "silent_s": self.silent_s,
             "recorded": self.recorded,
             "lost": self.lost,
             "refused": self.refused,

@@ -1,5 +1,6 @@
 """`station backup`: the store into a file, while the station runs."""
 
+import contextlib
 from pathlib import Path
 from typing import Annotated
 
@@ -26,6 +27,7 @@ def backup(
     with progress_bar("backup") as progress:
         progress(0.0, "writing and checking")
         made = make_backup(layout.store_url, out)
+        _note(layout, made.path)
     document = {
         "path": str(made.path),
         "size_bytes": made.size_bytes,
@@ -35,3 +37,9 @@ def backup(
     size_mb = made.size_bytes / 1e6
     text = f"{made.path}: {size_mb:.1f} MB, checked; recordings are not in it"
     emit(document, text, as_json=as_json)
+
+
+def _note(layout: DataLayout, made: Path) -> None:
+    """Leave for the station's metrics when there was a backup; one that cannot be noted is one."""
+    with contextlib.suppress(OSError):
+        layout.backup_note.write_text(f"{made.resolve()}\n")

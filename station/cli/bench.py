@@ -1,18 +1,25 @@
 """`station bench`: the figures of the README, measured here."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from station.bench import BENCHES, CAPTURE_PARTS, capture_benches, measure_benches
+from station.bench import (
+    BENCHES,
+    CAPTURE_PARTS,
+    bench_service_kills,
+    capture_benches,
+    measure_benches,
+)
 from station.cli.output import AsJson, emit, progress_bar
 from station.errors import InputUnusable
 from station.progress import Progress
 from station.tables import Table
 
-_CAPTURE, _MEASURE = "capture", "measure"
+_CAPTURE, _MEASURE, _KILLS = "capture", "measure", "service-kills"
 
 
 def bench(
@@ -24,7 +31,8 @@ def bench(
         typer.Option(help=f"Of capture: one of {', '.join(CAPTURE_PARTS)}; may be repeated."),
     ] = None,
     full: Annotated[
-        bool, typer.Option("--full", help="Of capture: as long as is asked of a station.")
+        bool,
+        typer.Option("--full", help="Of capture, service-kills: as long as is asked of a station."),
     ] = False,
     minutes: Annotated[
         float | None,
@@ -46,11 +54,14 @@ def bench(
     if name == _MEASURE and folder is not None:
         benches[name] = measure_benches(folder)
         folder = None
+    if name == _KILLS and full:
+        benches[name] = (partial(bench_service_kills, full=True),)
+        full = False
     if part or full or minutes is not None or folder is not None:
         if name != _CAPTURE:
             raise InputUnusable(
-                "--part, --full, --minutes are of `station bench capture`, --folder of it and of "
-                "`station bench measure`"
+                "--part, --full, --minutes are of `station bench capture`, --full also of "
+                "`station bench service-kills`, --folder also of `station bench measure`"
             )
         benches[name] = capture_benches(
             part or CAPTURE_PARTS, full=full, minutes=minutes, folder=folder

@@ -22,7 +22,7 @@ def serve(
 ) -> None:
     """Run the station: page and API, cameras, jobs.  SIGTERM or Ctrl-C ends it in order."""
     settings = load_settings(config)
-    log_as("supervisor")
+    log_as("supervisor", settings.log_level)
 
     def announce(url: str, seconds: float) -> None:
         document = {"ready": True, "url": url, "seconds": round(seconds, 2)}

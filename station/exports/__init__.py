@@ -1,8 +1,8 @@
 """Wheels for other programs: tables of readings and of points, MiniProf files."""
 
-from station.exports.miniprof import write_miniprof
-from station.exports.rows import COLUMNS, POINT_COLUMNS
-from station.exports.tables import check_table_name, table_writer, write_points
+from station.exports.miniprof import miniprof_of, write_miniprof
+from station.exports.rows import COLUMNS, POINT_COLUMNS, row_of
+from station.exports.tables import check_table_name, table_writer, write_points, write_table
 from station.exports.targets import check_target, file_for_each, is_folder
 
 __all__ = [
@@ -12,7 +12,10 @@ __all__ = [
     "check_target",
     "file_for_each",
     "is_folder",
+    "miniprof_of",
+    "row_of",
     "table_writer",
     "write_miniprof",
     "write_points",
+    "write_table",
 ]

@@ -5,7 +5,12 @@ from pathlib import Path
 from typing import Literal
 
 from measure import EN_15313, Quantity, ascii_fields, format_miniprof
-from station.documents import MeasurementDocument, WheelDocument, write_whole
+from station.documents import (
+    MeasurementDocument,
+    ProfileDocument,
+    WheelDocument,
+    write_whole,
+)
 from station.exports.targets import file_for_each
 
 SUFFIX = ".whl"
@@ -42,9 +47,15 @@ def write_miniprof(target: Path, document: MeasurementDocument) -> list[Path]:
     measured = [(wheel, wheel.profile) for wheel in document.wheels if wheel.profile is not None]
     paths = file_for_each(target, [wheel for wheel, _ in measured], SUFFIX)
     for path, (wheel, profile) in zip(paths, measured, strict=True):
-        fields = ascii_fields(_fields(wheel, document))
-        write_whole(path, format_miniprof(profile.profile(), fields))
+        write_whole(path, miniprof_of(wheel, profile, document))
     return paths
+
+
+def miniprof_of(
+    wheel: WheelDocument, profile: ProfileDocument, document: MeasurementDocument
+) -> str:
+    """Return the text of a wheel's MiniProf file, `document` being the results it is of."""
+    return format_miniprof(profile.profile(), ascii_fields(_fields(wheel, document)))
 
 
 def _fields(wheel: WheelDocument, document: MeasurementDocument) -> Iterator[tuple[str, str]]:

@@ -55,7 +55,7 @@ def write_points(out: Path, wheels: Iterable[WheelDocument]) -> None:
         If the folder cannot be written.
     """
     numbered = enumerate(wheels, start=1)
-    _write(out, POINT_COLUMNS, (row for n, wheel in numbered for row in point_rows(n, wheel)))
+    write_table(out, POINT_COLUMNS, (row for n, wheel in numbered for row in point_rows(n, wheel)))
 
 
 def _write_json(out: Path, heading: MeasurementDocument, wheels: Iterable[WheelDocument]) -> None:
@@ -71,10 +71,24 @@ def _write_json(out: Path, heading: MeasurementDocument, wheels: Iterable[WheelD
 
 
 def _write_table(out: Path, heading: MeasurementDocument, wheels: Iterable[WheelDocument]) -> None:
-    _write(out, COLUMNS, (row_of(wheel, heading) for wheel in wheels))
+    write_table(out, COLUMNS, (row_of(wheel, heading) for wheel in wheels))
 
 
-def _write(out: Path, columns: Columns, rows: Rows) -> None:
+def write_table(out: Path, columns: Columns, rows: Rows) -> None:
+    """Write rows as CSV or Parquet, as the ending of the name says; see `check_table_name`.
+
+    Parameters
+    ----------
+    columns
+        Names and SQL types.
+    rows
+        Values by column; what is absent stays empty.
+
+    Raises
+    ------
+    InputUnusable
+        If the folder cannot be written.
+    """
     if out.suffix == ".parquet":
         _write_parquet(out, columns, rows)
         return

@@ -21,9 +21,11 @@ from station.operations.collaborators import (
     utc_now,
 )
 from station.operations.downloads import recording_file
+from station.operations.frames import frame_as_png, frames_page
 from station.operations.keys import Keys, key_id_of
 from station.operations.layout import DataLayout
-from station.operations.passes import Passes, PassView, PassWheels
+from station.operations.lifetimes import Lifetimes
+from station.operations.passes import Passes
 from station.operations.recalibrations import (
     RecalibrationOrder,
     add_recalibration,
@@ -32,6 +34,13 @@ from station.operations.recalibrations import (
     last_good_check,
     order_recalibration,
     supersede_asking,
+)
+from station.operations.replays import (
+    ReferenceName,
+    ReplayOrder,
+    ReplayView,
+    order_replay,
+    replay_view,
 )
 from station.operations.rigs import (
     RigCalibrationOrder,
@@ -42,8 +51,10 @@ from station.operations.rigs import (
 )
 from station.operations.salvage import salvage_recording
 from station.operations.sensors import sensor_at, sensor_given
-from station.operations.sessions import SessionOrder, Sessions, SessionView
+from station.operations.session_orders import SessionOrder, SessionView
+from station.operations.sessions import Sessions
 from station.operations.uploads import Upload, Uploads
+from station.operations.views import PassView, PassWheels
 
 __all__ = [
     "CalibrationOrder",
@@ -52,10 +63,14 @@ __all__ = [
     "JobQueue",
     "Keys",
     "MethodName",
+    "Lifetimes",
     "PassView",
     "PassWheels",
     "Passes",
     "RecalibrationOrder",
+    "ReferenceName",
+    "ReplayOrder",
+    "ReplayView",
     "RigCalibrationOrder",
     "Salvage",
     "Salvaged",
@@ -74,13 +89,17 @@ __all__ = [
     "bring_into_force",
     "calibration_points",
     "cancel_job",
+    "frame_as_png",
+    "frames_page",
     "keep_rig_calibration",
     "key_id_of",
     "last_good_check",
     "order_calibration",
     "order_recalibration",
+    "order_replay",
     "order_rig_calibration",
     "recording_file",
+    "replay_view",
     "salvage_recording",
     "sensor_at",
     "sensor_given",

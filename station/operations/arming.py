@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 from station.capture import ExposureStep, RecordingPlan, Trigger
 from station.errors import StateConflict, StationError
 from station.operations.collaborators import Station
+from station.operations.strays import close_strays
 from station.recording import Rotation
 from station.settings import SensorSettings, StationSettings, StorageSettings
 from station.storage import Expected, ensure_space, expected_of_pass, expected_of_session
@@ -115,19 +116,30 @@ def arm(station: Station, recording: Recording, *, owner: str, trigger: Trigger)
     """
     path = station.layout.root / recording.path
     path.parent.mkdir(parents=True, exist_ok=True)
-    station.captures[recording.sensor].arm(
-        RecordingPlan(
-            session_id=owner,
-            path=path,
-            sensor=recording.sensor,
-            trigger=trigger,
-            sequence=_sequence(station.settings.sensor(recording.sensor), trigger),
-            rotation=_rotation(station.settings.storage, trigger),
-            reserve_bytes=round(station.settings.storage.reserve_mb * 1e6),
-            metadata={"station": station.settings.name, "recording": recording.id},
-            attachments=_attachments(station, recording),
-        )
+    plan = RecordingPlan(
+        session_id=owner,
+        path=path,
+        sensor=recording.sensor,
+        trigger=trigger,
+        sequence=_sequence(station.settings.sensor(recording.sensor), trigger),
+        rotation=_rotation(station.settings.storage, trigger),
+        reserve_bytes=round(station.settings.storage.reserve_mb * 1e6),
+        metadata=_metadata(station, recording),
+        attachments=_attachments(station, recording),
     )
+    capture = station.captures[recording.sensor]
+    try:
+        capture.arm(plan)
+    except StateConflict:
+        # The store has no other recording open on this sensor: what it still records was closed
+        # while it did not answer, and must not cost the next train.
+        close_strays(station, {recording.sensor: capture.status()})
+        capture.arm(plan)
+
+
+def _metadata(station: Station, recording: Recording) -> dict[str, str]:
+    names = {"station": station.settings.name, "recording": recording.id}
+    return names if recording.pass_id is None else {**names, "pass": recording.pass_id}
 
 
 def _sequence(sensor: SensorSettings | None, trigger: Trigger) -> tuple[ExposureStep, ...]:

@@ -60,12 +60,15 @@ def order_calibration(
         If the session or a recording is not closed yet.
     """
     sensor_given(station.settings, order.sensor)
+    calibration_id, job_id = station.new_id(), station.new_id()
     with station.store.change() as session:
+        known = session.get(Calibration, calibration_id)
+        if known is not None:  # ordered by this call, before the API process died of it
+            return known, the(session, Job, known.job_id)
         recordings, target = _resolve(session, order)
         laser_off = [
             closed_recording(session, recording, order.sensor) for recording in order.laser_off
         ]
-        calibration_id, job_id = station.new_id(), station.new_id()
         job = add_job(session, job_id, JobKind.CALIBRATE, calibration_id, at=station.now())
         calibration = Calibration(
             id=calibration_id,

@@ -42,6 +42,19 @@ class Salvaged:
     frames: int
     summary: str
     files: int = 1
+    account: "FileAccount | None" = None
+    """Where the capture had finished the recording and said in it how its frames add up."""
+
+
+@dataclass(frozen=True, slots=True)
+class FileAccount:
+    """What a finished recording says of frames that are not in it."""
+
+    triggered: int | None
+    lost: int
+    repeated: int
+    refused: int
+    complete: bool
 
 
 Salvage = Callable[[Path], Salvaged | None]

@@ -53,6 +53,26 @@ class DataLayout:
         return self.root / "station.lock"
 
     @property
+    def processes_lock(self) -> Path:
+        """The file of whose lock every process of a running station holds a share."""
+        return self.root / "processes.lock"
+
+    @property
+    def sockets_note(self) -> Path:
+        """The file that says where a running station has its sockets."""
+        return self.root / "sockets"
+
+    @property
+    def restarts_note(self) -> Path:
+        """The file in which the supervisor tells how often each process was started again."""
+        return self.root / "restarts.json"
+
+    @property
+    def backup_note(self) -> Path:
+        """The file whose age is that of the last backup."""
+        return self.root / "last-backup"
+
+    @property
     def uploads(self) -> Path:
         """The folder of recordings that were made elsewhere, relative to the root."""
         return Path("recordings", "uploads")

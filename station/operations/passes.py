@@ -1,8 +1,7 @@
 """A train goes by: arm, record, close, reconcile with the controller's count, have it measured."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from contextlib import suppress
 from threading import Lock
 
 from sqlalchemy.orm import Session
@@ -16,48 +15,29 @@ from station.operations.arming import (
     ensure_space_for_pass,
     rig_in_force,
 )
-from station.operations.closing import Closed, close_all, note
 from station.operations.collaborators import Station
-from station.operations.repeats import ensure_consist, ensure_same
+from station.operations.counts import Counted, take_counts
+from station.operations.ending import end_pass, fail_pass, note_own_end, step
+from station.operations.repeats import ensure_same
 from station.operations.sensors import sensor_given
-from station.settings import SensorSettings
+from station.operations.views import PassView, PassWheels, view_of
+from station.processes.threads import at_a_time
 from station.store import (
+    HELD,
     PASS,
     Action,
     Actor,
-    AxleWheel,
-    JobKind,
-    Measurement,
+    EndedBy,
     Pass,
     PassState,
     Recording,
-    add_job,
     audit,
+    passes_held,
     places_of,
-    recordings_of,
     the,
-    unfinished_passes,
     wheels_of,
 )
-from station.trains import Consist, TrainPicture, keep_axles, train_picture
-
-
-@dataclass(frozen=True, slots=True)
-class PassView:
-    """A pass and what its sensors recorded."""
-
-    row: Pass
-    recordings: Sequence[Recording]
-
-
-@dataclass(frozen=True, slots=True)
-class PassWheels:
-    """The wheels of a pass, each one's place in the train by its id, and the train."""
-
-    row: Pass
-    wheels: Sequence[Measurement]
-    places: Mapping[int, AxleWheel]
-    train: TrainPicture
+from station.trains import Consist, keep_axles, train_picture
 
 
 class Passes:
@@ -65,8 +45,11 @@ class Passes:
 
     def __init__(self, station: Station) -> None:
         self._station = station
-        # Closing takes as long as the last frames: a second finish waits and gets the same answer.
+        # Closing takes as long as the last frames: a second finish waits and gets the same answer,
+        # and a time-out that falls together with it finds the pass ended.
         self._closing = Lock()
+        self._arming: set[str] = set()
+        """Passes that a call is arming the sensors for."""
 
     def view(self, pass_id: str) -> PassView:
         """Return a pass.
@@ -77,7 +60,7 @@ class Passes:
             If there is none of that id.
         """
         with self._station.store.look() as session:
-            return _view(session, the(session, Pass, pass_id))
+            return view_of(session, pass_id)
 
     def wheels(self, pass_id: str) -> PassWheels:
         """Return the wheels of a pass, as measured with the calibrations it was recorded under.
@@ -109,25 +92,26 @@ class Passes:
         CameraError, RecordingError
             If a sensor cannot record; the pass has then failed.
         """
+        with self._station.store.look() as session:
+            # A call that comes again does not wait for its turn to write.
+            opened = _opened(session, pass_id, train, consist)
+            if opened is not None:
+                return opened, False
         with self._station.store.change() as session:
-            known = session.get(Pass, pass_id)
-            if known is not None:
-                return _view(session, ensure_same(known, train, consist)), False
+            opened = _opened(session, pass_id, train, consist)
+            if opened is not None:
+                return opened, False
             ensure_sensors_free(session, self._station.sensors, f"pass {pass_id}")
             ensure_space_for_pass(self._station)
             view = self._add(session, pass_id, train, consist)
             told = {"train": train}
             now = self._station.now()
             audit(session, Action.ARM, "pass", pass_id, by=by, at=now, after=told)
+            self._arming.add(pass_id)  # before anybody else can see the row
         try:
-            self._arm_all(view, pass_id)
-        except StationError as error:
-            self._fail(view, f"not armed: {error}")
-            raise
-        with self._station.store.change() as session:
-            row = the(session, Pass, pass_id)
-            _step(row, PassState.RECORDING)
-            return _view(session, row), True
+            return self._record(view, view.recordings), True
+        finally:
+            self._arming.discard(pass_id)
 
     def finish(
         self,
@@ -139,6 +123,9 @@ class Passes:
         consist: Consist | None = None,
     ) -> PassView:
         """Close the recordings of a pass, hold them against the count, and have them measured.
+
+        Of a pass that has ended already, by an earlier call or by itself, it brings in what was
+        counted and named, where nobody had told that yet.
 
         Parameters
         ----------
@@ -154,53 +141,91 @@ class Passes:
         NotFound
             If there is no such pass.
         StateConflict
-            If it is not yet armed, has failed, or has another consist.
+            If it is not yet armed, could not be armed, or something else was counted or named.
         InputUnusable
             If a trigger count is of a sensor that the station has not.
         """
         for sensor_id in triggers:
             sensor_given(self._station.settings, sensor_id)
-        expected = {sensor.id: triggers.get(sensor.id, axles) for sensor in self._station.sensors}
         with self._closing:
-            view = self.view(pass_id)
-            if view.row.state in {PassState.ARMED, PassState.FAILED}:
-                PASS.check(pass_id, view.row.state, PassState.MEASURING)
-            ensure_consist(view.row, consist)
-            if view.row.state is not PassState.RECORDING:
-                return view
-            self._note_finish(pass_id, axles, consist, by)
-            return self._close(view, expected)
+            view = self._tell(pass_id, Counted(axles, triggers, consist), by)
+            return end_pass(self._station, pass_id) if view.row.state in HELD else view
+
+    def end_overdue(self, pass_id: str, why: str) -> bool:
+        """End a pass whose controller is lost; False where somebody else has ended it."""
+        with self._closing:
+            ends = note_own_end(self._station, pass_id, EndedBy.TIMEOUT, why)
+            if ends:
+                end_pass(self._station, pass_id)
+            return ends
 
     def take_up(self) -> None:
-        """Go on, after a start, with passes that were open when the station stopped.
-
-        A pass whose sensors all still record it is left to the controller's finish; another is
-        closed with what was saved.
-        """
+        """Go on, after a start, with the passes that were open when the station stopped."""
         with self._station.store.look() as session:
-            views = [
-                _view(session, row)
-                for row in unfinished_passes(session)
-                if row.state in {PassState.ARMED, PassState.RECORDING}
-            ]
-        for view in views:
-            if all(self._still_records(recording, view.row.id) for recording in view.recordings):
-                self._step(view.row.id, PassState.RECORDING)
-            else:
-                with self._closing:
-                    self._close(view, {})
+            names = [row.id for row in passes_held(session)]
+        for pass_id in names:
+            self.bring_on(pass_id)
 
-    def _note_finish(
-        self, pass_id: str, axles: int | None, consist: Consist | None, by: Actor
-    ) -> None:
+    def bring_on(self, pass_id: str) -> None:
+        """Go on with a pass at which a process or call stopped in the middle.
+
+        One whose end is written down is closed.  One that a sensor still records is left to the
+        controller's finish, the other sensors being armed where that had not been done; one that no
+        sensor records has ended, with what was saved.
+        """
+        with self._closing:
+            view = self.view(pass_id)
+            row, recordings = view.row, view.recordings
+            if row.state not in HELD or pass_id in self._arming:
+                return
+            if row.ended_by is not None:
+                end_pass(self._station, pass_id)
+                return
+            silent = [each for each in recordings if not self._still_records(each)]
+            if len(silent) == len(recordings):
+                why = "no sensor recorded it any more when the station took it up again"
+                note_own_end(self._station, pass_id, EndedBy.RESTART, why)
+                end_pass(self._station, pass_id)
+            elif row.state is PassState.ARMED:
+                with suppress(StationError):  # the pass has failed, and says so
+                    self._record(view, silent)
+
+    def _record(self, view: PassView, unarmed: Sequence[Recording]) -> PassView:
+        """Arm the sensors of recordings, and say that the pass is recorded."""
+        try:
+            at_a_time(self._arm, unarmed)
+        except StationError as error:
+            fail_pass(self._station, view, f"not armed: {error}")
+            raise
         with self._station.store.change() as session:
-            row = the(session, Pass, pass_id)
-            row.axles = axles
-            if row.consist is None and consist is not None:
-                row.consist = consist.to_json()
-            told = {"axles": axles}
+            step(the(session, Pass, view.row.id), PassState.RECORDING)
+            return view_of(session, view.row.id)
+
+    def _arm(self, recording: Recording) -> None:
+        sensor = sensor_given(self._station.settings, recording.sensor)
+        owner = recording.pass_id or ""
+        arm(self._station, recording, owner=owner, trigger=Trigger(sensor.trigger))
+
+    def _tell(self, pass_id: str, told: Counted, by: Actor) -> PassView:
+        """Write down what a finish tells, and that it ends a pass that had not ended."""
+        with self._station.store.change() as session:
+            view = view_of(session, pass_id)
+            row = view.row
+            never_began = row.state is PassState.FAILED and row.ended_by is None
+            if row.state is PassState.ARMED or never_began:
+                PASS.check(pass_id, row.state, PassState.MEASURING)
+            news = take_counts(row, view.recordings, told)
+            if row.state is PassState.RECORDING and row.ended_by is None:
+                row.ended_by = EndedBy.CONTROLLER
+            elif not news:
+                return view
             now = self._station.now()
-            audit(session, Action.FINISH, "pass", pass_id, by=by, at=now, after=told)
+            after = {"axles": told.axles}
+            audit(session, Action.FINISH, "pass", pass_id, by=by, at=now, after=after)
+            if row.state not in {PassState.RECORDING, PassState.MEASURING}:
+                # The job of a pass that is being measured does this when it ends.
+                keep_axles(session, row, self._station.settings)
+            return view
 
     def _add(
         self, session: Session, pass_id: str, train: str | None, consist: Consist | None
@@ -231,91 +256,20 @@ class Passes:
         session.add_all(recordings)
         return PassView(row, recordings)
 
-    def _arm_all(self, view: PassView, pass_id: str) -> None:
-        def arm_one(pair: tuple[Recording, SensorSettings]) -> None:
-            recording, sensor = pair
-            arm(self._station, recording, owner=pass_id, trigger=Trigger(sensor.trigger))
-
-        pairs = list(zip(view.recordings, self._station.sensors, strict=True))
-        with ThreadPoolExecutor(max_workers=len(pairs)) as pool:
-            list(pool.map(arm_one, pairs))
-
-    def _fail(self, view: PassView, reason: str) -> None:
-        accounts = close_all(self._station, view.recordings, {})
-        with self._station.store.change() as session:
-            row = the(session, Pass, view.row.id)
-            self._note_accounts(session, row, accounts, {})
-            _step(row, PassState.FAILED)
-            row.reason = reason
-
-    def _close(self, view: PassView, expected: Mapping[str, int | None]) -> PassView:
-        accounts = close_all(self._station, view.recordings, expected)
-        with self._station.store.change() as session:
-            row = the(session, Pass, view.row.id)
-            self._note_accounts(session, row, accounts, expected)
-            _step(row, PassState.RECORDED)
-            self._decide_next(session, row)
-            closed = _view(session, row)
-        if row.job_id is not None:
-            self._station.jobs.submit(JobKind.MEASURE, row.job_id)
-        return closed
-
-    def _note_accounts(
-        self,
-        session: Session,
-        row: Pass,
-        accounts: Mapping[str, Closed],
-        expected: Mapping[str, int | None],
-    ) -> None:
-        row.finished_at = self._station.now()
-        for recording in recordings_of(session, row):
-            recording.closed_at = row.finished_at
-            note(recording, accounts[recording.id], expected.get(recording.sensor))
-
-    def _decide_next(self, session: Session, row: Pass) -> None:
-        recordings = recordings_of(session, row)
-        filled = [recording for recording in recordings if recording.recorded]
-        if not filled and all(recording.expected == 0 for recording in recordings):
-            _step(row, PassState.DONE)
-            row.reason = "no wheel went by"
-        elif not filled:
-            _step(row, PassState.FAILED)
-            row.reason = "no frame was recorded: " + "; ".join(
-                f"{recording.sensor}: {recording.summary}" for recording in recordings
-            )
-        elif all(recording.calibration_id is None for recording in filled):
-            row.reason = "not measured: no sensor had an active calibration when it was recorded"
-        else:
-            self._have_measured(session, row)
-            return
-        # Nothing more will be measured of it; what the controller counted are rows all the same.
-        keep_axles(session, row, self._station.settings)
-
-    def _have_measured(self, session: Session, row: Pass) -> None:
-        job = add_job(
-            session, self._station.new_id(), JobKind.MEASURE, row.id, at=self._station.now()
-        )
-        _step(row, PassState.MEASURING)
-        row.job_id = job.id
-
-    def _still_records(self, recording: Recording, pass_id: str) -> bool:
+    def _still_records(self, recording: Recording) -> bool:
         capture = self._station.captures.get(recording.sensor)
         try:
-            return capture is not None and capture.status().session_id == pass_id
+            return capture is not None and capture.status().session_id == recording.pass_id
         except StationError:
             return False
 
-    def _step(self, pass_id: str, wanted: PassState) -> None:
-        with self._station.store.change() as session:
-            row = the(session, Pass, pass_id)
-            if row.state is not wanted:
-                _step(row, wanted)
 
-
-def _view(session: Session, row: Pass) -> PassView:
-    return PassView(row, recordings_of(session, row))
-
-
-def _step(row: Pass, wanted: PassState) -> None:
-    PASS.check(row.id, row.state, wanted)
-    row.state = wanted
+def _opened(
+    session: Session, pass_id: str, train: str | None, consist: Consist | None
+) -> PassView | None:
+    """Return the pass that an earlier call opened, or None."""
+    known = session.get(Pass, pass_id)
+    if known is None:
+        return None
+    ensure_same(known, train, consist)
+    return view_of(session, pass_id)

@@ -68,7 +68,11 @@ def order_recalibration(
         If the sensor is being recalibrated, or a session is not closed yet.
     """
     sensor_given(station.settings, order.sensor)
+    row_id = station.new_id()
     with station.store.change() as session:
+        known = session.get(Recalibration, row_id)
+        if known is not None:  # ordered by this call, before the API process died of it
+            return known, the(session, Job, known.job_id)
         present = running_recalibration(session, order.sensor)
         if present is not None:
             raise StateConflict(
@@ -76,9 +80,7 @@ def order_recalibration(
                 f"{present.state}; follow that one",
                 state=present.state,
             )
-        row, job = add_recalibration(
-            session, station.new_id(), sensor=order.sensor, by=by, at=station.now()
-        )
+        row, job = add_recalibration(session, row_id, sensor=order.sensor, by=by, at=station.now())
         if order.sessions:
             row.taken = _named(session, order)
     station.jobs.submit(JobKind.RECALIBRATE, job.id)
@@ -136,6 +138,8 @@ def answer_recalibration(
 ) -> Recalibration:
     """Answer a recalibration that asks: bring its calibration into force, or refuse it.
 
+    The same answer of the same person a second time changes nothing.
+
     Parameters
     ----------
     seen
@@ -153,6 +157,8 @@ def answer_recalibration(
     with station.store.change() as session:
         row = the(session, Recalibration, row_id)
         wanted = RecalibrationState.ACTIVATED if bring else RecalibrationState.REFUSED
+        if (row.state, row.answered_by, row.answer) == (wanted, by.name, why):
+            return row
         RECALIBRATION.check(row.id, row.state, wanted)
         _ensure_seen(row, seen)
         row.answered_by, row.answered_at, row.answer = by.name, station.now(), why

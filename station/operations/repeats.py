@@ -5,8 +5,8 @@ from station.store import JsonObject, Pass, PassState
 from station.trains import Consist, Named
 
 
-def ensure_same(known: Pass, train: str | None, consist: Consist | None) -> Pass:
-    """Return the pass that a call to open one names once more.
+def ensure_same(known: Pass, train: str | None, consist: Consist | None) -> None:
+    """Let a call to open a pass come once more, if it says the same.
 
     Raises
     ------
@@ -27,21 +27,20 @@ def ensure_same(known: Pass, train: str | None, consist: Consist | None) -> Pass
             f"pass {known.id} is {known.state} ({known.reason}); open a new one under a new id",
             state=known.state,
         )
-    return known
 
 
 def ensure_consist(known: Pass, consist: Consist | None, *, same_call: bool = False) -> None:
-    """Let a call name a consist that the pass has not yet, or has already.
+    """Let a call name a consist where the pass has none yet, or the same already.
 
     Raises
     ------
     StateConflict
-        If it has another, or is closed and has none.
+        If it has another; of the `same_call`, also if it had none then.
     """
     if consist is None and not same_call:
         return
     present = None if known.consist is None else known.consist["wheelsets"]
-    if present is None and not same_call and known.state is PassState.RECORDING:
+    if present is None and not same_call:
         return
     if consist is None or present != consist.to_json()["wheelsets"]:
         raise StateConflict(

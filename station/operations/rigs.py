@@ -81,9 +81,12 @@ def order_rig_calibration(
         If the session or a recording is not closed yet, or a sensor has no calibration in force.
     """
     rig = rig_given(station.settings, order.rig)
+    calibration_id, job_id = station.new_id(), station.new_id()
     with station.store.change() as session:
+        known = session.get(RigCalibration, calibration_id)
+        if known is not None:  # ordered by this call, before the API process died of it
+            return known, the(session, Job, known.job_id or "")
         ordered = _resolve(session, order, rig)
-        calibration_id, job_id = station.new_id(), station.new_id()
         job = add_job(session, job_id, JobKind.CALIBRATE_RIG, calibration_id, at=station.now())
         calibration = RigCalibration(
             id=calibration_id,
@@ -186,6 +189,9 @@ def keep_rig_calibration(station: Station, document: RigDocument, *, by: Actor) 
         passed=document.passed,
     )
     with station.store.change() as session:
+        known = session.get(RigCalibration, calibration.id)
+        if known is not None:  # taken in by this call, before the API process died of it
+            return known
         session.add(calibration)
         _note(station, session, Action.ADD, calibration, by)
     return calibration

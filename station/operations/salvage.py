@@ -1,12 +1,12 @@
 """Making whole what a capture process left when it died."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from station.errors import InputUnusable, StateConflict
-from station.operations.collaborators import Salvaged
-from station.recording import active_path, info, left_behind, recover
+from station.operations.collaborators import FileAccount, Salvaged
+from station.recording import ACCOUNTING, active_path, info, left_behind, recover
 
 _PATIENCE_S = 15.0
 _PAUSE_S = 0.1
@@ -30,9 +30,30 @@ def salvage_recording(path: Path, sleep: Callable[[float], None] = time.sleep) -
     parts = [part for _, part in left_behind(path)]
     if not parts:
         return None
-    frames = sum(sensor.frames for part in parts for sensor in info(part).sensors)
+    found = [info(part) for part in parts]
+    frames = sum(sensor.frames for one in found for sensor in one.sensors)
     files = "" if len(parts) == 1 else f" in {len(parts)} files"
-    return Salvaged(frames=frames, summary=f"{frames} frames saved{files}", files=len(parts))
+    return Salvaged(
+        frames=frames,
+        summary=f"{frames} frames saved{files}",
+        files=len(parts),
+        account=_account_in(found[-1].metadata.get(ACCOUNTING, {}), frames),
+    )
+
+
+def _account_in(said: Mapping[str, str], frames: int) -> FileAccount | None:
+    """Return the account that a recording ends with, if it has one and that is of these frames.
+
+    A file that goes on in a next one says of itself alone: no `lost` is in it.
+    """
+    try:
+        lost, repeated, refused = (int(said[name]) for name in ("lost", "repeated", "refused"))
+        triggered = None if said["triggered"] == "None" else int(said["triggered"])
+        if int(said["recorded"]) != frames:
+            return None
+    except (KeyError, ValueError):
+        return None
+    return FileAccount(triggered, lost, repeated, refused, complete=said.get("complete") == "True")
 
 
 def _make_whole(path: Path, sleep: Callable[[float], None]) -> None:

@@ -1,12 +1,10 @@
 """Pictures for a calibration, taken one by one while somebody moves the target."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from threading import Lock
 
 from sqlalchemy.orm import Session
 
-from calib import Target
 from station.capture import Trigger
 from station.errors import InputUnusable, StateConflict, StationError
 from station.operations.arming import (
@@ -17,13 +15,22 @@ from station.operations.arming import (
 )
 from station.operations.closing import close_all, note
 from station.operations.collaborators import Station
+from station.operations.picture_taking import begin_picture, begun_before
 from station.operations.sensors import rig_given, sensor_given
+from station.operations.session_orders import (
+    SessionOrder,
+    SessionView,
+    ensure_same_order,
+    session_view,
+)
 from station.settings import SensorSettings
 from station.store import (
     SESSION,
+    STATION,
     Action,
     Actor,
     CalibrationSession,
+    EndedBy,
     Recording,
     SessionState,
     audit,
@@ -31,38 +38,6 @@ from station.store import (
     recordings_of,
     the,
 )
-
-
-@dataclass(frozen=True, slots=True)
-class SessionOrder:
-    """What pictures are to be taken with: a sensor, or all of a rig; and of which boards.
-
-    Attributes
-    ----------
-    target
-        The board; of a rig, that of the sensors without one of their own.
-    targets
-        The boards of single sensors of a rig.
-    """
-
-    target: Target
-    sensor: str | None = None
-    rig: str | None = None
-    targets: Mapping[str, Target] | None = None
-
-    @property
-    def targets_kept(self) -> dict[str, str] | None:
-        """The boards of single sensors as the store keeps them."""
-        own = self.targets or {}
-        return {name: str(target) for name, target in own.items()} or None
-
-
-@dataclass(frozen=True, slots=True)
-class SessionView:
-    """A calibration session and what it recorded."""
-
-    row: CalibrationSession
-    recordings: Sequence[Recording]
 
 
 class Sessions:
@@ -82,7 +57,7 @@ class Sessions:
             If there is none of that id.
         """
         with self._station.store.look() as session:
-            return _view(session, the(session, CalibrationSession, session_id))
+            return session_view(session, the(session, CalibrationSession, session_id))
 
     def open(self, session_id: str, order: SessionOrder, *, by: Actor) -> tuple[SessionView, bool]:
         """Ready a sensor, or all of a rig, for pictures; return the session and whether it is new.
@@ -102,7 +77,7 @@ class Sessions:
         with self._station.store.change() as session:
             present = session.get(CalibrationSession, session_id)
             if present is not None:
-                return _view(session, _ensure_same(present, order)), False
+                return session_view(session, ensure_same_order(present, order)), False
             ensure_sensors_free(session, sensors, f"calibration session {session_id}")
             ensure_space_for_session(self._station, sensors)
             recordings = self._add(session, session_id, order, sensors)
@@ -111,17 +86,19 @@ class Sessions:
             for recording in recordings:
                 arm(self._station, recording, owner=session_id, trigger=Trigger.SOFTWARE)
         except StationError as error:
-            self._close(session_id, SessionState.FAILED, f"not armed: {error}")
+            self._close(session_id, f"not armed: {error}")
             raise
-        with self._station.store.change() as session:
-            row = the(session, CalibrationSession, session_id)
-            _step(row, SessionState.OPEN)
-            return _view(session, row), True
+        return self._ensure_open(session_id), True
 
-    def take_picture(self, session_id: str) -> SessionView:
+    def take_picture(self, session_id: str, *, name: str, by: Actor) -> SessionView:
         """Take one picture with each sensor and return when they are recorded.
 
         Those of a rig come one after the other, as no laser is to shine into another's picture.
+
+        Parameters
+        ----------
+        name
+            The picture's: the last one's name once more takes only what is missing of it.
 
         Raises
         ------
@@ -135,47 +112,79 @@ class Sessions:
         with self._camera:
             view = self.view(session_id)
             row = view.row
+            with self._station.store.look() as session:
+                begun = begun_before(session, session_id, name)
+            if begun is not None and begun.counted(row):
+                return view
             if row.state is not SessionState.OPEN:
                 raise StateConflict(
                     f"calibration session {session_id} is {row.state}; "
                     "pictures are taken while it is open",
                     state=row.state,
                 )
-            for recording in view.recordings:
-                self._station.captures[recording.sensor].trigger()
+            if begun is None:
+                begun = begin_picture(self._station, name, row, view.recordings, by)
+            for sensor in begun.missing(self._station, view.recordings):
+                self._station.captures[sensor].trigger()
             with self._station.store.change() as session:
                 row = the(session, CalibrationSession, session_id)
                 row.pictures += 1
-                return _view(session, row)
+                return session_view(session, row)
 
     def finish(self, session_id: str, *, by: Actor) -> SessionView:
-        """Close the recording of a session; one that is closed stays as it is.
+        """Close the recording of a session; one that has ended, also by itself, stays as it is.
 
         Raises
         ------
         NotFound
             If there is no such session.
         StateConflict
-            If it is not yet armed, or has failed.
+            If it is not yet armed, or could not be armed.
         """
         with self._camera:
-            view = self.view(session_id)
-            if view.row.state is SessionState.RECORDED:
-                return view
-            if view.row.state is not SessionState.OPEN:
-                SESSION.check(session_id, view.row.state, SessionState.OPEN)
-            with self._station.store.change() as session:
-                self._note(session, Action.FINISH, session_id, by)
-            return self._close(session_id, SessionState.RECORDED)
+            row = self.view(session_id).row
+            never_began = row.state is SessionState.FAILED and row.ended_by is None
+            if row.state is SessionState.ARMED or never_began:
+                raise StateConflict(
+                    f"calibration session {session_id} is {row.state}; finish one that is open",
+                    state=row.state,
+                )
+            self._note_end(session_id, EndedBy.CONTROLLER, by=by)
+            return self._ended(session_id)
+
+    def end_overdue(self, session_id: str, why: str) -> bool:
+        """End a session that nobody goes on with; False where somebody else has ended it."""
+        with self._camera:
+            ends = self._note_end(session_id, EndedBy.TIMEOUT, why)
+            self._ended(session_id)
+            return ends
 
     def take_up(self) -> None:
         """Close, after a start, the sessions that no capture process still holds open."""
         with self._station.store.look() as session:
-            views = [_view(session, row) for row in open_sessions(session)]
-        for view in views:
-            if not self._still_open(view):
-                with self._camera:
-                    self._close(view.row.id, SessionState.RECORDED, "the station stopped meanwhile")
+            names = [row.id for row in open_sessions(session)]
+        for session_id in names:
+            self.bring_on(session_id)
+
+    def bring_on(self, session_id: str) -> None:
+        """Go on with a session at which a process or call stopped in the middle."""
+        with self._camera:
+            view = self.view(session_id)
+            if view.row.state not in SESSION.unfinished:
+                return
+            if view.row.ended_by is None and self._still_open(view):
+                self._ensure_open(session_id)
+                return
+            why = "the station stopped meanwhile"
+            self._note_end(session_id, EndedBy.RESTART, why)
+            self._ended(session_id)
+
+    def _ensure_open(self, session_id: str) -> SessionView:
+        with self._station.store.change() as session:
+            row = the(session, CalibrationSession, session_id)
+            if row.state is not SessionState.OPEN:
+                _step(row, SessionState.OPEN)
+            return session_view(session, row)
 
     def _sensors_of(self, order: SessionOrder) -> list[SensorSettings]:
         settings = self._station.settings
@@ -226,25 +235,44 @@ class Sessions:
         session.add_all(recordings)
         return recordings
 
-    def _close(
-        self, session_id: str, wanted: SessionState, reason: str | None = None
-    ) -> SessionView:
+    def _note_end(
+        self, session_id: str, ended_by: EndedBy, why: str | None = None, *, by: Actor = STATION
+    ) -> bool:
+        """Write down who ends a session; False where it has ended, or is ending."""
+        with self._station.store.change() as session:
+            row = the(session, CalibrationSession, session_id)
+            if row.state not in SESSION.unfinished or row.ended_by is not None:
+                return False
+            row.ended_by, row.reason = ended_by, why
+            self._note(session, Action.FINISH, session_id, by, ended_by=ended_by.value, why=why)
+            return True
+
+    def _ended(self, session_id: str) -> SessionView:
+        """Close a session whose end is written down; return it as it then is."""
+        view = self.view(session_id)
+        if view.row.state not in SESSION.unfinished:
+            return view
+        return self._close(session_id, view.row.reason)
+
+    def _close(self, session_id: str, reason: str | None) -> SessionView:
         view = self.view(session_id)
         expected = self._expected(view)
         accounts = close_all(self._station, view.recordings, expected)
         with self._station.store.change() as session:
             row = the(session, CalibrationSession, session_id)
             row.finished_at = self._station.now()
-            row.reason = reason
             for recording in recordings_of(session, row):
                 recording.closed_at = row.finished_at
                 note(recording, accounts[recording.id], expected[recording.sensor])
-            _step(row, wanted)
-            return _view(session, row)
+            pictures = any(closed.recorded for closed in accounts.values())
+            row.state, row.reason = _end_of(row, reason, pictures=pictures)
+            return session_view(session, row)
 
-    def _note(self, session: Session, action: Action, session_id: str, by: Actor) -> None:
-        now = self._station.now()
-        audit(session, action, "calibration session", session_id, by=by, at=now)
+    def _note(
+        self, session: Session, action: Action, session_id: str, by: Actor, **told: str | None
+    ) -> None:
+        now, kind = self._station.now(), "calibration session"
+        audit(session, action, kind, session_id, by=by, at=now, after=told or None)
 
     def _expected(self, view: SessionView) -> dict[str, int | None]:
         """Return how many frames were commanded; the capture process counts those of sequences."""
@@ -268,28 +296,19 @@ class Sessions:
             return False
 
 
-def _view(session: Session, row: CalibrationSession) -> SessionView:
-    return SessionView(row, recordings_of(session, row))
-
-
 def _step(row: CalibrationSession, wanted: SessionState) -> None:
     SESSION.check(row.id, row.state, wanted)
     row.state = wanted
 
 
-def _ensure_same(present: CalibrationSession, order: SessionOrder) -> CalibrationSession:
-    wanted = (order.sensor, order.rig, str(order.target), order.targets_kept)
-    if (present.sensor, present.rig, present.target, present.targets) != wanted:
-        of = f"rig {present.rig}" if present.sensor is None else f"sensor {present.sensor}"
-        raise StateConflict(
-            f"calibration session {present.id} is of {of} and target "
-            f"{present.target}; give a new session a new id",
-            state=present.state,
-        )
-    if present.state is SessionState.FAILED:
-        raise StateConflict(
-            f"calibration session {present.id} is {present.state} ({present.reason}); "
-            "open a new one under a new id",
-            state=present.state,
-        )
-    return present
+def _end_of(
+    row: CalibrationSession, reason: str | None, *, pictures: bool
+) -> tuple[SessionState, str | None]:
+    """Return how a session ends, and why it says it does."""
+    if row.ended_by is EndedBy.CONTROLLER or (row.ended_by is not None and pictures):
+        wanted = SessionState.RECORDED
+    else:
+        wanted = SessionState.FAILED
+        reason = reason if row.ended_by is None else f"{reason}; no picture had been taken"
+    SESSION.check(row.id, row.state, wanted)
+    return wanted, reason

@@ -162,8 +162,8 @@ class Uploads:
                 )
             if row.id in recordings_in_use(session):
                 raise StateConflict(
-                    f"recording {row.id} is what a calibration in force, or one that is being "
-                    "solved, was made from"
+                    f"recording {row.id} is what a calibration in force was made from, or one "
+                    "that is being solved, or is being replayed"
                 )
             if row.deleted_at is None:
                 row.deleted_at, row.deleted_why = station.now(), f"deleted by {by.name}"

@@ -5,6 +5,13 @@ from station.pipeline.batches import Batch, recorded_batches
 from station.pipeline.calibrate import CalibrationOutcome, calibrate_sources
 from station.pipeline.cores import Cores, all_cores, map_on_all_cores
 from station.pipeline.exposures import Exposure
+from station.pipeline.following import (
+    Looker,
+    Taken,
+    WheelFollower,
+    looking_rig,
+    looking_sensor,
+)
 from station.pipeline.frames import Frame, read_frames
 from station.pipeline.gauge import UnreadBatch, WheelGauge
 from station.pipeline.gauge_files import gauge_files
@@ -27,6 +34,7 @@ from station.pipeline.observe_group import PoseShot, observe_group
 from station.pipeline.piece import check_piece
 from station.pipeline.piece_on_rig import PieceOrder, calibrate_rig_on_piece, check_piece_on_rig
 from station.pipeline.references import is_json, load_reference, read_profile, read_reference
+from station.pipeline.resumption import Resumption
 from station.pipeline.rig import RigOrder, calibrate_rig_sources
 from station.pipeline.rig_gauge import RigGauge
 from station.pipeline.rig_sources import sources_by_sensor
@@ -40,13 +48,17 @@ __all__ = [
     "Cores",
     "Exposure",
     "Frame",
+    "Looker",
     "Observations",
     "PieceOrder",
+    "Resumption",
     "RigGauge",
     "RigOrder",
     "PoseShot",
     "Solving",
+    "Taken",
     "UnreadBatch",
+    "WheelFollower",
     "WheelGauge",
     "all_cores",
     "calibrate_camera_from_sources",
@@ -63,6 +75,8 @@ __all__ = [
     "leaving_out_of_sources",
     "load_reference",
     "locate_wheel_stripe",
+    "looking_rig",
+    "looking_sensor",
     "map_on_all_cores",
     "measure_rig",
     "measure_sources",

@@ -5,13 +5,21 @@ A picture of 2 MB read where it is needed costs 0.7 ms; handed over it would cos
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
 from station.pictures import read_picture
 from station.pipeline.frames import Frame, files_by_source, is_recording
 from station.pipeline.naming import distinct_names
-from station.recording import FrameBlock, frame_blocks
+from station.recording import (
+    BEGINNING,
+    FilePlace,
+    FrameBlock,
+    RecordedFrame,
+    frame_blocks,
+    parts_from,
+)
 
 _FRAMES_EACH = 8
 """Few enough that all cores have some of a short recording."""
@@ -36,15 +44,18 @@ class RecordedBatch:
     block: FrameBlock
 
     def frames(self) -> Iterator[Frame]:
-        for recorded in self.block.frames():
-            yield Frame(
-                name=f"{self.source}#{recorded.frame_id}",
-                source=self.source,
-                number=recorded.frame_id,
-                picture=recorded.picture,
-                sensor=recorded.sensor,
-                time_ns=recorded.camera_time_ns,
-            )
+        return map(partial(_frame, self.source), self.block.frames())
+
+
+@dataclass(frozen=True, slots=True)
+class ReadBatch:
+    """Frames of a recording that have been read already."""
+
+    source: str
+    recorded: tuple[RecordedFrame, ...]
+
+    def frames(self) -> Iterator[Frame]:
+        return map(partial(_frame, self.source), self.recorded)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +75,19 @@ class PictureBatch:
         yield Frame(str(self.path), source=self.source, number=self.place, picture=picture)
 
 
-def batches_of(sources: Sequence[Path]) -> Iterator[Batch]:
-    """Yield the batches of all sources, in order.
+def _frame(source: str, recorded: RecordedFrame) -> Frame:
+    return Frame(
+        name=f"{source}#{recorded.frame_id}",
+        source=source,
+        number=recorded.frame_id,
+        picture=recorded.picture,
+        sensor=recorded.sensor,
+        time_ns=recorded.camera_time_ns,
+    )
+
+
+def batches_of(sources: Sequence[Path], since: FilePlace = BEGINNING) -> Iterator[Batch]:
+    """Yield the batches of all sources, in order; of recordings from a place on.
 
     Raises
     ------
@@ -78,13 +100,15 @@ def batches_of(sources: Sequence[Path]) -> Iterator[Batch]:
     distinct_names([path for group in groups for path in group])
     for group in groups:
         if group and is_recording(group[0]):
-            yield from recorded_batches(group, group[0].name)
+            yield from recorded_batches(group, group[0].name, since)
         else:
             yield from (PictureBatch(path, place) for place, path in enumerate(group))
 
 
-def recorded_batches(parts: Sequence[Path], source: str) -> Iterator[RecordedBatch]:
-    """Yield the batches of one recording, all its files, under one name.
+def recorded_batches(
+    parts: Sequence[Path], source: str, since: FilePlace = BEGINNING
+) -> Iterator[RecordedBatch]:
+    """Yield the batches of one recording, all its files from a place on, under one name.
 
     Raises
     ------
@@ -93,6 +117,6 @@ def recorded_batches(parts: Sequence[Path], source: str) -> Iterator[RecordedBat
     RecordingUnreadable
         If a file is not whole.
     """
-    for part in parts:
-        for block in frame_blocks(part, chunks_each=_FRAMES_EACH):
+    for part, from_byte in parts_from(parts, since):
+        for block in frame_blocks(part, chunks_each=_FRAMES_EACH, from_byte=from_byte):
             yield RecordedBatch(source, block)

@@ -11,7 +11,9 @@ from station.pipeline.batches import Batch, batches_of
 from station.pipeline.cores import Cores, all_cores
 from station.pipeline.frames import count_frames
 from station.pipeline.gauge import UnreadBatch, WheelGauge
+from station.pipeline.resumption import Resumption
 from station.progress import Progress, silent
+from station.recording import BEGINNING
 from station.software import SOFTWARE
 
 FRAME_S = 0.025
@@ -24,13 +26,15 @@ def measure_sources(
     *,
     reference: str = "S1002",
     limits: Limits | None = None,
+    since: Resumption | None = None,
     progress: Progress = silent,
 ) -> MeasurementDocument:
     """Measure every wheel in recordings, pictures or folders.
 
     Frames of a recording that follow each other closely are one wheel; every picture of a folder
     is a wheel of its own. A wheel that cannot be measured is a row with a reason. Alarms are
-    raised by `limits`, those of practice where not given.
+    raised by `limits`, those of practice where not given. With `since`, which is of one recording,
+    only the wheels from there on are measured.
 
     Raises
     ------
@@ -42,7 +46,8 @@ def measure_sources(
     if not sources:
         raise InputUnusable("no SOURCE given; give recordings, pictures or folders")
     gauge = WheelGauge.of(calibration, reference, limits)
-    total = count_frames(sources)
+    place = BEGINNING if since is None else since.of(calibration.sensor)
+    total = max(count_frames(sources) - place.frames, 1)
 
     def refuse(unread: UnreadBatch) -> None:
         raise unread.error
@@ -52,15 +57,29 @@ def measure_sources(
 
     with all_cores(alone_s=total * FRAME_S) as cores:
         wheels = tuple(
-            measured_wheels(batches_of(sources), gauge, cores, unread=refuse, frames_done=report)
+            measured_wheels(
+                batches_of(sources, place),
+                gauge,
+                cores,
+                unread=refuse,
+                frames_done=report,
+                shown_before=since is not None and since.shown_before,
+            )
         )
+    return measured_by_sensor(calibration, gauge, wheels)
+
+
+def measured_by_sensor(
+    calibration: CalibrationDocument, gauge: WheelGauge, wheels: Sequence[WheelDocument]
+) -> MeasurementDocument:
+    """Return the document of wheels that a gauge made of a calibration has measured."""
     return MeasurementDocument(
         created=datetime.now(UTC),
         software=SOFTWARE,
         calibration=calibration.fingerprint,
         reference=gauge.reference.name,
         regime=gauge.limits.regime,
-        wheels=wheels,
+        wheels=tuple(wheels),
     )
 
 
@@ -71,6 +90,7 @@ def measured_wheels(
     *,
     unread: Callable[[UnreadBatch], None],
     frames_done: Callable[[int], None],
+    shown_before: bool = False,
 ) -> Iterator[WheelDocument]:
     """Measure wheel after wheel, in order, with the stripes of a few in memory.
 
@@ -86,6 +106,8 @@ def measured_wheels(
         Called with a batch that could not be read; the work goes on where it returns.
     frames_done
         Called with the number of frames in which the stripe has been looked for.
+    shown_before
+        As of `each_wheel`.
     """
 
     def frames() -> Iterator[WheelFrame]:
@@ -98,4 +120,4 @@ def measured_wheels(
             frames_done(done)
             yield from answer
 
-    yield from cores.map(gauge.measure, each_wheel(frames()))
+    yield from cores.map(gauge.measure, each_wheel(frames(), shown_before=shown_before))

@@ -18,8 +18,10 @@ from station.pipeline.cores import Cores, all_cores
 from station.pipeline.frames import count_frames, is_recording
 from station.pipeline.gauge import UnreadBatch
 from station.pipeline.measure import FRAME_S
+from station.pipeline.resumption import Resumption
 from station.pipeline.rig_gauge import RigGauge
 from station.progress import Progress, silent
+from station.recording import BEGINNING, FilePlace
 from station.settings import MAX_SKEW_US
 from station.software import SOFTWARE
 
@@ -34,6 +36,7 @@ def measure_rig(
     max_skew_us: float = MAX_SKEW_US,
     reference: str = "S1002",
     limits: Limits | None = None,
+    since: Resumption | None = None,
     progress: Progress = silent,
 ) -> MeasurementDocument:
     """Measure every wheel that the sensors of a rig saw, in recordings, pictures or folders.
@@ -58,6 +61,9 @@ def measure_rig(
         Greatest time between frames of one shot.
     reference, limits, progress
         As of `measure_sources`.
+    since
+        Where in the recordings to begin; a damaged one is refused then: what was measured before
+        that place rests on it.
 
     Raises
     ------
@@ -76,13 +82,23 @@ def measure_rig(
     why |= silent_sensors or {}
     while True:
         try:
-            wheels = _wheels(chosen, replace(gauge, silent=why), max_skew_us, progress)
+            wheels = _wheels(chosen, replace(gauge, silent=why), max_skew_us, since, progress)
             break
         except _Damaged as damaged:
-            if all_sound or len(chosen) == 1:
+            if all_sound or since is not None or len(chosen) == 1:
                 raise damaged.error from damaged
             why[damaged.sensor] = str(damaged.error)
             chosen = {name: path for name, path in chosen.items() if name != damaged.sensor}
+    return measured_by_rig(rig, calibrations, gauge, wheels)
+
+
+def measured_by_rig(
+    rig: RigDocument,
+    calibrations: Sequence[CalibrationDocument],
+    gauge: RigGauge,
+    wheels: Sequence[WheelDocument],
+) -> MeasurementDocument:
+    """Return the document of wheels that a gauge made of a rig and calibrations has measured."""
     newer = {each.sensor: each.fingerprint for each in calibrations}
     return MeasurementDocument(
         created=datetime.now(UTC),
@@ -92,7 +108,7 @@ def measure_rig(
         rigs={rig.rig: rig.fingerprint},
         reference=gauge.reference.name,
         regime=gauge.limits.regime,
-        wheels=wheels,
+        wheels=tuple(wheels),
     )
 
 
@@ -105,10 +121,16 @@ class _Damaged(Exception):
 
 
 def _wheels(
-    sources: Mapping[str, Path], gauge: RigGauge, max_skew_us: float, progress: Progress
+    sources: Mapping[str, Path],
+    gauge: RigGauge,
+    max_skew_us: float,
+    since: Resumption | None,
+    progress: Progress,
 ) -> tuple[WheelDocument, ...]:
-    total = sum(_count(sensor, source) for sensor, source in sources.items())
-    batches = {sensor: _batches(sensor, source) for sensor, source in sources.items()}
+    places = {name: BEGINNING if since is None else since.of(name) for name in sources}
+    recorded = sum(_count(sensor, source) for sensor, source in sources.items())
+    total = max(recorded - sum(place.frames for place in places.values()), 1)
+    batches = {name: _batches(name, source, places[name]) for name, source in sources.items()}
 
     def report(done: int) -> None:
         progress(min(done / total, 1.0), f"frame {done} of {total}")
@@ -116,7 +138,13 @@ def _wheels(
     with all_cores(alone_s=total * FRAME_S) as cores:
         return tuple(
             measured_on_rig(
-                batches, gauge, cores, max_skew_us=max_skew_us, unread=_refuse, frames_done=report
+                batches,
+                gauge,
+                cores,
+                max_skew_us=max_skew_us,
+                unread=_refuse,
+                frames_done=report,
+                shown_before=since is not None and since.shown_before,
             )
         )
 
@@ -132,9 +160,9 @@ def _count(sensor: str, source: Path) -> int:
         raise _Damaged(sensor, error) from error
 
 
-def _batches(sensor: str, source: Path) -> Iterator[Batch]:
+def _batches(sensor: str, source: Path, since: FilePlace) -> Iterator[Batch]:
     try:
-        yield from batches_of([source])
+        yield from batches_of([source], since)
     except RecordingError as error:
         raise _Damaged(sensor, error) from error
 
@@ -147,6 +175,7 @@ def measured_on_rig(
     max_skew_us: float,
     unread: Callable[[UnreadBatch], None],
     frames_done: Callable[[int], None],
+    shown_before: bool = False,
 ) -> Iterator[WheelDocument]:
     """Measure wheel after wheel, in order, with the stripes of a few in memory.
 
@@ -164,6 +193,8 @@ def measured_on_rig(
         Called with a batch that could not be read; the work goes on where it returns.
     frames_done
         Called with the number of frames in which the stripe has been looked for.
+    shown_before
+        As of `each_wheel`.
     """
     done = 0
 
@@ -179,7 +210,7 @@ def measured_on_rig(
 
     streams = {sensor: frames(sensor, own) for sensor, own in batches.items()}
     shots = each_shot(streams, max_skew_s=max_skew_us * 1e-6)
-    yield from cores.map(gauge.measure, each_wheel(shots))
+    yield from cores.map(gauge.measure, each_wheel(shots, shown_before=shown_before))
 
 
 def _ensure_pairing(sources: Mapping[str, Path]) -> None:

@@ -1,11 +1,13 @@
 """Processes that calculate for this one, one core each."""
 
 import os
+import signal
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
 from station.processes.lifeline import end_with_parent
 from station.processes.one_core import use_one_core
+from station.processes.stop_signal import STOP_SIGNALS
 
 
 def pool_of_processes(count: int) -> ProcessPoolExecutor:
@@ -20,5 +22,9 @@ def pool_of_processes(count: int) -> ProcessPoolExecutor:
 
 
 def _begin(parent_pid: int) -> None:
-    end_with_parent(parent_pid)
+    end_with_parent(parent_pid, signal.SIGKILL)
+    # A service manager's TERM and a terminal's Ctrl-C reach every process; when the work is to be
+    # left is for the one to say that wants its answers.
+    for number in STOP_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
     use_one_core()

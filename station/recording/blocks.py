@@ -36,8 +36,10 @@ class FrameBlock:
             os.close(descriptor)
 
 
-def frame_blocks(path: Path, *, chunks_each: int) -> list[FrameBlock]:
+def frame_blocks(path: Path, *, chunks_each: int, from_byte: int = 0) -> list[FrameBlock]:
     """Return the blocks of a recording, in order; a chunk holds one large picture or many small.
+
+    Chunks that begin before `from_byte` are left out.
 
     Raises
     ------
@@ -48,8 +50,9 @@ def frame_blocks(path: Path, *, chunks_each: int) -> list[FrameBlock]:
     """
     with open_recording(path) as recording:
         ensure_sound_around_chunks(recording)
-        closed, chunks = replace(recording, descriptor=_CLOSED), recording.chunks
+        closed = replace(recording, descriptor=_CLOSED)
+    chunks = [each for each in recording.chunks if each.chunk_start_offset >= from_byte]
     return [
-        FrameBlock(replace(closed, chunks=chunks[first : first + chunks_each]))
+        FrameBlock(replace(closed, chunks=tuple(chunks[first : first + chunks_each])))
         for first in range(0, len(chunks), chunks_each)
     ]

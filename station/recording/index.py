@@ -111,13 +111,14 @@ class FileIndex:
         return [
             (Opcode.SCHEMA, self.schemas.values()),
             (Opcode.CHANNEL, self.channels.values()),
-            (Opcode.STATISTICS, [self._statistics()]),
+            (Opcode.STATISTICS, [self.statistics()]),
             (Opcode.CHUNK_INDEX, [chunk.index for chunk in self.chunks]),
             (Opcode.ATTACHMENT_INDEX, self._attachments),
             (Opcode.METADATA_INDEX, self._metadata),
         ]
 
-    def _statistics(self) -> Statistics:
+    def statistics(self) -> Statistics:
+        """Return the counts of what is in the file."""
         counts: dict[int, int] = {}
         for chunk in self.chunks:
             for channel, count in chunk.counts.items():

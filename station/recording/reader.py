@@ -146,6 +146,18 @@ def _messages(
 def _frame(
     recording: Recording, sensor: str, message: StoredMessage, exposure_us: float | None
 ) -> RecordedFrame:
+    return RecordedFrame(
+        sensor=sensor,
+        frame_id=message.sequence,
+        camera_time_ns=message.publish_time_ns,
+        host_time_ns=message.log_time_ns,
+        picture=picture_of(recording, message),
+        exposure_us=exposure_us,
+    )
+
+
+def picture_of(recording: Recording, message: StoredMessage) -> "Picture":
+    """Return the picture in a message, read-only; RecordingUnreadable where it holds none."""
     try:
         image = read_raw_image(message.data)
         if image.encoding not in _ENCODINGS:
@@ -153,14 +165,7 @@ def _frame(
         pixels = np.frombuffer(image.data, np.uint8).reshape(image.height, image.step)
     except DAMAGED as error:
         raise recording.damaged(f"in frame {message.sequence}", error) from error
-    return RecordedFrame(
-        sensor=sensor,
-        frame_id=message.sequence,
-        camera_time_ns=message.publish_time_ns,
-        host_time_ns=message.log_time_ns,
-        picture=pixels[:, : image.width],
-        exposure_us=exposure_us,
-    )
+    return pixels[:, : image.width]
 
 
 def _exposure_us(recording: Recording, sensor: str) -> float | None:

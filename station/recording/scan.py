@@ -33,15 +33,19 @@ class Scan:
     """The data section ends with its own end record."""
 
 
-def scan(descriptor: int) -> Scan:
+def scan(descriptor: int, earlier: Scan | None = None) -> Scan:
     """Walk the records of a data section by their headers; pictures are not read.
 
     It stops at the first record that is cut short or makes no sense.  Checksums of chunks are
-    believed, not computed: `without_damaged_tail` and `verify` compute.
+    believed, not computed: `without_damaged_tail` and `verify` compute.  Of a file that grows an
+    earlier scan is gone on with; that one is of no more use then.
     """
-    index, size = FileIndex(), os.fstat(descriptor).st_size
-    index.data_crc = crc32(MAGIC)
-    at = len(MAGIC)
+    size = os.fstat(descriptor).st_size
+    if earlier is None:
+        index, at = FileIndex(), len(MAGIC)
+        index.data_crc = crc32(MAGIC)
+    else:
+        index, at = earlier.index, earlier.end
     while at + PREFIX.size <= size:
         opcode, length = PREFIX.unpack(os.pread(descriptor, PREFIX.size, at))
         end = at + PREFIX.size + length
@@ -69,6 +73,16 @@ def without_damaged_tail(descriptor: int, found: Scan) -> Scan:
         last = index.chunks.pop()
         index.data_crc, end = last.crc_before, last.index.chunk_start_offset
     return Scan(index, end, found.finished)
+
+
+def without_unindexed_tail(found: Scan) -> Scan:
+    """Give up the last chunk where the record that says what is in it is not yet written."""
+    index = found.index
+    if index.chunks and not index.chunks[-1].counts:
+        last = index.chunks.pop()
+        index.data_crc = last.crc_before
+        return Scan(index, last.index.chunk_start_offset, finished=False)
+    return found
 
 
 def decode(opcode: int, body: bytes) -> McapRecord:

@@ -1,5 +1,6 @@
 """Putting the parts of the API process together from the settings."""
 
+import threading
 from functools import partial
 from pathlib import Path
 
@@ -7,7 +8,15 @@ from fastapi import FastAPI
 
 from station.api import build_app
 from station.capture import CaptureClient
-from station.operations import DataLayout, Passes, Sessions, Station, salvage_recording
+from station.operations import (
+    DataLayout,
+    Lifetimes,
+    Passes,
+    Sessions,
+    Station,
+    salvage_recording,
+)
+from station.serve.looking import begin_looking
 from station.serve.sockets import socket_path
 from station.settings import StationSettings
 from station.store import Store
@@ -38,6 +47,9 @@ def assemble_api(settings: StationSettings, run_dir: Path, *, admin_key: str | N
     )
     Passes(station).take_up()
     Sessions(station).take_up()
-    return build_app(
-        station, admin_key=admin_key, worker_ready=partial(is_held, layout.worker_lock)
-    )
+    app = build_app(station, admin_key=admin_key, worker_ready=partial(is_held, layout.worker_lock))
+    # With the desks of the API, whose locks keep a time-out and a finish apart.  It ends with the
+    # process: what it is at then is taken up at the next start.
+    lifetimes = Lifetimes(station, app.state.parts.passes, app.state.parts.sessions)
+    begin_looking(lifetimes.look, threading.Event())
+    return app

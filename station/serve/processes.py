@@ -3,23 +3,27 @@
 import os
 import signal
 import socket
+from functools import partial
 from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from station.capture import start_capture
+from station.operations import DataLayout
+from station.processes.beginning import begin_process
 from station.processes.lifeline import end_with_parent
-from station.serve.logs import log_as
+from station.processes.priority import answer_promptly, yield_to_others
 from station.serve.sockets import socket_path
-from station.settings import SensorSettings, StationSettings
+from station.settings import LogLevel, SensorSettings, StationSettings
 from station.worker import run_worker
 
 _SPAWN = get_context("spawn")  # never fork: Aravis and SQLite do not survive it
 
 
-def start_sensor(sensor: SensorSettings, run_dir: Path) -> BaseProcess:
+def start_sensor(sensor: SensorSettings, settings: StationSettings, run_dir: Path) -> BaseProcess:
     """Start the capture process of a sensor; it notices by itself when its parent dies."""
-    return start_capture(sensor, socket_path(run_dir, sensor.id))
+    begin = partial(begin_process, f"capture {sensor.id}", *_known(settings))
+    return start_capture(sensor, socket_path(run_dir, sensor.id), log=begin)
 
 
 def start_api(
@@ -43,11 +47,16 @@ def start_worker(settings: StationSettings, run_dir: Path) -> BaseProcess:
     return process
 
 
+def _known(settings: StationSettings) -> tuple[LogLevel, Path]:
+    return settings.log_level, DataLayout.of(settings).processes_lock
+
+
 def _run_worker(settings: StationSettings, sockets: dict[str, Path], supervisor_pid: int) -> None:
     end_with_parent(supervisor_pid)
     # Ctrl-C at a terminal reaches every process; in which order they end is the supervisor's.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    log_as("worker")
+    begin_process("worker", *_known(settings))
+    yield_to_others()
     run_worker(settings, sockets)
 
 
@@ -64,6 +73,7 @@ def _run_api(
     from station.serve.assembly import assemble_api  # noqa: PLC0415  as above
     from station.serve.web import server_config  # noqa: PLC0415  as above
 
-    log_as("api")
+    begin_process("api", *_known(settings))
     app = assemble_api(settings, run_dir, admin_key=admin_key)
+    answer_promptly()
     uvicorn.Server(server_config(app, settings)).run(sockets=[listening])

@@ -1,9 +1,7 @@
 """`station serve`: all processes of the station under one roof, until it is told to stop."""
 
 import select
-import shutil
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,12 +10,14 @@ import structlog
 
 from station.operations import DataLayout
 from station.processes.stop_signal import StopSignal
+from station.processes.tally import write_tally
 from station.serve.certificate import ensure_tls_usable
 from station.serve.children import Child, Handle
 from station.serve.first_key import Say, ensure_first_key
 from station.serve.listening import listen, url_of
 from station.serve.processes import start_api, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
+from station.serve.remains import await_end_of_killed, folder_of_sockets
 from station.settings import StationSettings
 from station.store import ensure_sound, ensure_unguessable, migrate
 from station.worker import held
@@ -49,7 +49,7 @@ def supervise(
         If the port is in use, the data folder or the certificate cannot be used, or the key is too
         short.
     StateConflict
-        If a station runs already on this data folder.
+        If a station runs already on this data folder, or one that was killed does not end.
     StoreUnusable
         If the store is damaged or out of reach.
     """
@@ -58,20 +58,19 @@ def supervise(
     ensure_tls_usable(settings.tls)
     layout = DataLayout.of(settings)
     layout.ensure()
-    with held(layout.station_lock, "a station"), listen(settings.host, settings.port) as listening:
-        ensure_sound(layout.store_url)
-        migrate(layout.store_url)
-        if admin_key is None:
-            ensure_first_key(layout, say, to_a_person=sys.stderr.isatty())
-        # In the temporary folder: the path of a Unix socket may have 107 bytes only.
-        run_dir = Path(tempfile.mkdtemp(prefix="treadline-"))
-        try:
-            stop = StopSignal()
-            begin_announcing(url_of(listening, settings.tls), announce, stop)
-            start_the_api = partial(start_api, settings, run_dir, listening, admin_key)
-            _run(_stages(settings, run_dir, start_the_api), stop)
-        finally:
-            shutil.rmtree(run_dir, ignore_errors=True)
+    with held(layout.station_lock, "a station"):
+        await_end_of_killed(layout)
+        with listen(settings.host, settings.port) as listening:
+            ensure_sound(layout.store_url)
+            migrate(layout.store_url)
+            if admin_key is None:
+                ensure_first_key(layout, say, to_a_person=sys.stderr.isatty())
+            with folder_of_sockets(layout) as run_dir:
+                stop = StopSignal()
+                begin_announcing(url_of(listening, settings.tls), announce, stop)
+                start_the_api = partial(start_api, settings, run_dir, listening, admin_key)
+                note = partial(_note_restarts, layout.restarts_note)
+                _run(_stages(settings, run_dir, start_the_api), stop, note)
 
 
 Stages = Sequence[Sequence[Child]]
@@ -82,21 +81,29 @@ def _stages(
 ) -> Stages:
     """Return the processes in the stages in which they end: first who gives the cameras orders."""
     captures = [
-        Child(f"capture {sensor.id}", partial(start_sensor, sensor, run_dir), _CAPTURE_PATIENCE_S)
+        Child(
+            f"capture {sensor.id}",
+            partial(start_sensor, sensor, settings, run_dir),
+            _CAPTURE_PATIENCE_S,
+        )
         for sensor in settings.sensors
     ]
     worker = Child("worker", partial(start_worker, settings, run_dir), _WORKER_PATIENCE_S)
     return [Child("api", start_the_api, _API_PATIENCE_S), worker], captures
 
 
-def _run(stages: Stages, stop: StopSignal) -> None:
-    """Keep the processes running until the signal; then end them stage by stage."""
+def _run(stages: Stages, stop: StopSignal, note: Callable[[Sequence[Child]], None]) -> None:
+    """Keep the processes running until the signal; then end them stage by stage.
+
+    `note` is called at the start, and whenever a process may have been started again.
+    """
     children = [child for stage in stages for child in stage]
     try:
         for child in reversed(children):
             if not stop.is_set():
                 child.start()
         while not stop.is_set():
+            note(children)
             _wait(children, stop)
             for child in children:
                 child.mend()
@@ -107,6 +114,14 @@ def _run(stages: Stages, stop: StopSignal) -> None:
             for child in stage:
                 child.ensure_ended()
         _log.info("station stopped")
+
+
+def _note_restarts(path: Path, children: Sequence[Child]) -> None:
+    """Tell the API how often each was started again; a full disk is no reason to end."""
+    try:
+        write_tally(path, {child.name: child.restarts for child in children})
+    except OSError as error:
+        _log.warning("restarts not noted", why=str(error))
 
 
 def _wait(children: Sequence[Child], stop: StopSignal) -> None:

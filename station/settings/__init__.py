@@ -1,7 +1,9 @@
 """The station's settings: one typed tree, read once at start from TOML and the environment."""
 
+from station.settings.controller import ControllerSettings
 from station.settings.limits import LimitSettings, LimitsSettings, RangeSettings
 from station.settings.load import load_settings
+from station.settings.measuring import MeasuringSettings
 from station.settings.recalibration import (
     DAYS,
     CaptureSettings,
@@ -19,7 +21,7 @@ from station.settings.sensor import (
     SensorId,
     SensorSettings,
 )
-from station.settings.station import StationSettings
+from station.settings.station import LogLevel, StationSettings
 from station.settings.storage import StorageSettings
 from station.settings.track import TrackSettings
 from station.settings.web import TlsSettings, WebSettings
@@ -28,10 +30,13 @@ __all__ = [
     "DAYS",
     "MAX_SKEW_US",
     "CaptureSettings",
+    "ControllerSettings",
     "ExposureSettings",
     "GateSettings",
     "LimitSettings",
     "LimitsSettings",
+    "LogLevel",
+    "MeasuringSettings",
     "MountingSettings",
     "PieceSettings",
     "PolicySettings",

@@ -6,7 +6,9 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
+from station.settings.controller import ControllerSettings
 from station.settings.limits import LimitsSettings
+from station.settings.measuring import MeasuringSettings
 from station.settings.recalibration import RecalibrationSettings
 from station.settings.rig import RigSettings
 from station.settings.section import Section
@@ -14,6 +16,8 @@ from station.settings.sensor import SensorSettings
 from station.settings.storage import StorageSettings
 from station.settings.track import TrackSettings
 from station.settings.web import TlsSettings, WebSettings
+
+LogLevel = Literal["debug", "info", "warning"]
 
 
 class StationSettings(Section):
@@ -30,16 +34,22 @@ class StationSettings(Section):
     """Address the page and API listen on."""
     port: int = Field(default=8080, ge=0, le=65535)
     """Port of the page and API."""
+    log_level: LogLevel = "info"
+    """What is logged: at `info` all that changes something or fails, at `debug` every call too."""
     reference: str = "S1002"
     """Reference profile of the wheels: S1002, LMA or a file."""
     limits: LimitsSettings = Field(default_factory=LimitsSettings)
     """What raises alarms; confirm it by the regulations you are under."""
+    measuring: MeasuringSettings = Field(default_factory=MeasuringSettings)
+    """When wheels are measured."""
     storage: StorageSettings = Field(default_factory=StorageSettings)
     """Files and space."""
     web: WebSettings = Field(default_factory=WebSettings)
     """What the page and API take from the network."""
     tls: TlsSettings | None = None
     """The certificate of the page and API; absent: plain HTTP, for this host or a proxy on it."""
+    controller: ControllerSettings = Field(default_factory=ControllerSettings)
+    """When a pass or session ends by itself, its controller being lost."""
     sensors: tuple[SensorSettings, ...] = Field(min_length=1)
     """The sensors, one or more."""
     recalibration: RecalibrationSettings = Field(default_factory=RecalibrationSettings)

@@ -10,7 +10,7 @@ from station.storage.space import (
     expected_of_session,
     free_bytes,
 )
-from station.storage.tidying import due_deletions, files_of_recording, tidy
+from station.storage.tidying import due_deletions, files_of_recording, recordings_bytes, tidy
 
 __all__ = [
     "GB",
@@ -27,6 +27,7 @@ __all__ = [
     "expected_of_session",
     "files_of_recording",
     "free_bytes",
+    "recordings_bytes",
     "tidy",
     "to_delete",
 ]

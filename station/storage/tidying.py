@@ -40,7 +40,7 @@ def due_deletions(
     with store.look() as session:
         candidates = [_candidate(root, row) for row in disposable_recordings(session)]
         candidates += [_candidate(root, row, failed=True) for row in failed_recordings(session)]
-    usage = Usage(_size_of_folder(root / RECORDINGS), free_of(root))
+    usage = Usage(recordings_bytes(root), free_of(root))
     return to_delete(candidates, usage, settings, now)
 
 
@@ -97,5 +97,14 @@ def _delete(store: Store, root: Path, deletion: Deletion, now: datetime) -> None
     )
 
 
-def _size_of_folder(folder: Path) -> int:
-    return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+def recordings_bytes(root: Path) -> int:
+    """Return what all recordings take on the disk; every file is looked at."""
+    sizes = (_size(file) for file in (root / RECORDINGS).rglob("*"))
+    return sum(sizes)
+
+
+def _size(file: Path) -> int:
+    try:
+        return file.stat().st_size if file.is_file() else 0
+    except FileNotFoundError:  # deleted, or finished under its own name, a moment ago
+        return 0

@@ -10,7 +10,7 @@ from enum import StrEnum
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from station.store.lookups import Page, page_of
+from station.store.paging import Page, page_of
 from station.store.tables import AuditEntry, JsonObject
 
 
@@ -34,6 +34,7 @@ class Action(StrEnum):
     ANSWER = "answer"
     ARM = "arm"
     CANCEL = "cancel"
+    CAPTURE = "capture"
     DELETE = "delete"
     FINISH = "finish"
     ORDER = "order"

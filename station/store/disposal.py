@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
+from station.store.replays import recordings_replayed
 from station.store.states import CalibrationState, PassState
 from station.store.tables import (
     Activation,
@@ -49,7 +50,8 @@ def measured_recordings(session: Session) -> Sequence[Recording]:
 def failed_recordings(session: Session) -> Sequence[Recording]:
     """Return the recordings of passes that failed and are still there, oldest first.
 
-    None that a calibration in force, or one that is being solved, was made from.
+    None that a calibration in force, or one that is being solved, was made from, nor one that is
+    being replayed.
     """
     _, kept = _calibrated_from(session)
     found = session.scalars(
@@ -67,7 +69,8 @@ def disposable_recordings(session: Session) -> Sequence[Recording]:
     """Return the recordings that may be deleted, oldest first.
 
     Measured ones, and those of calibration sessions that a calibration was solved from; but none
-    that a calibration in force, or one that is being solved, was made from.
+    that a calibration in force, or one that is being solved, was made from, nor one that is being
+    replayed.
     """
     used, kept = _calibrated_from(session)
     of_sessions = session.scalars(
@@ -83,7 +86,7 @@ def disposable_recordings(session: Session) -> Sequence[Recording]:
 
 
 def recordings_in_use(session: Session) -> set[str]:
-    """Return the recordings that a calibration in force, or one being solved, was made from."""
+    """Return the recordings that something is being made from, or what is in force was."""
     _, kept = _calibrated_from(session)
     return kept
 
@@ -105,7 +108,7 @@ def _calibrated_from(session: Session) -> tuple[set[str], set[str]]:
             used.update(recordings)
         if state is CalibrationState.SOLVING or calibration_id in in_force:
             kept.update(recordings)
-    return used, kept
+    return used, kept | recordings_replayed(session)
 
 
 def _made_from(session: Session) -> Iterator[tuple[str, CalibrationState, list[str]]]:

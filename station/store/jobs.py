@@ -19,6 +19,7 @@ class JobKind(StrEnum):
     MEASURE = "measure"
     RECALIBRATE = "recalibrate"
     MEASURE_AGAIN = "measure_again"
+    REPLAY = "replay"
     RETENTION = "retention"
     COMPACT = "compact"
 

@@ -27,7 +27,8 @@ class Standing(Enum):
     """Where the key of a call stands."""
 
     NEW = auto()
-    RUNNING = auto()
+    UNANSWERED = auto()
+    """Being answered; or never answered, by a process that died of it or failed in it."""
     ANSWERED = auto()
     OF_ANOTHER_CALL = auto()
 
@@ -47,7 +48,7 @@ def begin_call(session: Session, call: Call, *, at: datetime) -> tuple[Standing,
         return Standing.NEW, new
     if kept.fingerprint != call.fingerprint:
         return Standing.OF_ANOTHER_CALL, kept
-    return (Standing.RUNNING if kept.status is None else Standing.ANSWERED), kept
+    return (Standing.UNANSWERED if kept.status is None else Standing.ANSWERED), kept
 
 
 def keep_answer(
@@ -64,8 +65,3 @@ def forget_call(session: Session, call: Call) -> None:
     session.execute(
         delete(KeptAnswer).where(KeptAnswer.caller == call.caller, KeptAnswer.key == call.key)
     )
-
-
-def forget_unanswered(session: Session) -> None:
-    """Forget the calls that the last API process took and did not answer any more."""
-    session.execute(delete(KeptAnswer).where(KeptAnswer.status.is_(None)))

@@ -1,16 +1,15 @@
-"""Finding rows by name and listing them page by page."""
+"""Finding rows by name, those of one another, and what was measured page by page."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from datetime import datetime
-from typing import Generic, TypeVar
 
-from sqlalchemy import Select, func, select, tuple_
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from measure import Side
 from station.errors import NotFound
+from station.store.paging import Page, Row, page_of
 from station.store.recalibration_tables import Recalibration
+from station.store.replay_tables import Replay, ReplayMeasurement
 from station.store.states import PASS, SESSION, PassState, SessionState
 from station.store.tables import (
     AxleWheel,
@@ -24,8 +23,6 @@ from station.store.tables import (
     Table,
 )
 
-Row = TypeVar("Row", bound=Table)
-
 _KIND: dict[type[Table], str] = {
     Pass: "pass",
     Recording: "recording",
@@ -33,6 +30,7 @@ _KIND: dict[type[Table], str] = {
     Calibration: "calibration",
     RigCalibration: "calibration of a rig",
     Recalibration: "recalibration",
+    Replay: "replay",
     Job: "job",
     Measurement: "measurement",
 }
@@ -79,14 +77,23 @@ def recordings_of(session: Session, owner: Pass | CalibrationSession) -> Sequenc
 
 
 def wheels_of(session: Session, owner: Pass) -> Sequence[Measurement]:
-    """Return the wheels of a pass as measured with the calibrations it was recorded under."""
-    return session.scalars(
+    """Return the wheels of a pass as measured with the calibrations it was recorded under.
+
+    Against the station's reference: a wheel measured once more against another stands behind.
+    """
+    rig = Measurement.rig_calibration_id
+    found = session.scalars(
         select(Measurement)
         .join(Recording, Measurement.recording_id == Recording.id)
         .where(Measurement.pass_id == owner.id)
         .where(Measurement.calibration_id == Recording.calibration_id)
+        .where(rig.is_not_distinct_from(Recording.rig_calibration_id))
         .order_by(Measurement.sensor, Measurement.id)
-    ).all()
+    )
+    firsts: dict[tuple[str, int], Measurement] = {}
+    for row in found:
+        firsts.setdefault((row.recording_id, row.frame), row)
+    return list(firsts.values())
 
 
 def unfinished_passes(session: Session) -> Sequence[Pass]:
@@ -111,29 +118,6 @@ def counts_by_state(session: Session, table: type[Pass] | type[Job]) -> dict[str
     return {state.value: count for state, count in rows}
 
 
-@dataclass(frozen=True, slots=True)
-class Page(Generic[Row]):
-    """Some rows of a list, and whether more follow."""
-
-    rows: Sequence[Row]
-    more: bool
-
-
-def page_of(session: Session, query: Select[Row], limit: int) -> Page[Row]:
-    """Return the first rows of a query, and whether more follow."""
-    rows = session.scalars(query.limit(limit + 1)).all()
-    return Page(rows[:limit], more=len(rows) > limit)
-
-
-def recordings_page(
-    session: Session, *, limit: int, before: tuple[datetime, str] | None = None
-) -> Page[Recording]:
-    """Return recordings, the newest first, from those older than the key (opened_at, id)."""
-    key = tuple_(Recording.opened_at, Recording.id)
-    query = select(Recording).order_by(Recording.opened_at.desc(), Recording.id.desc())
-    return page_of(session, query if before is None else query.where(key < before), limit)
-
-
 def measurements_page(
     session: Session,
     *,
@@ -143,10 +127,12 @@ def measurements_page(
     sensor: str | None = None,
     wheelset: str | None = None,
     side: Side | None = None,
+    replay: str | None = None,
 ) -> Page[Measurement]:
     """Return measurements in the order they were made, from those behind the key `after`.
 
-    `side` is that of the train; with a `wheelset`, its own.
+    `side` is that of the train; with a `wheelset`, its own.  Those of a `replay` are all it came
+    to, also what had been measured before.
     """
     of_axle = wheelset is not None or side is not None
     # By the key of the table that an index finds them in: a wheelset's are few among all.
@@ -163,6 +149,11 @@ def measurements_page(
     if side is not None:
         own = AxleWheel.side if wheelset is None else AxleWheel.wheelset_side
         query = query.where(own == side)
+    if replay is not None:
+        of_replay = select(ReplayMeasurement.measurement_id).where(
+            ReplayMeasurement.replay_id == replay
+        )
+        query = query.where(Measurement.id.in_(of_replay))
     return page_of(session, query, limit)
 
 

@@ -1,4 +1,4 @@
-"""Keeping what was measured: each wheel once per recording, frame and calibration."""
+"""Keeping what was measured: each wheel once per recording, frame, calibration and reference."""
 
 from collections.abc import Iterable, Sequence
 
@@ -12,8 +12,10 @@ _KEY = (
     Measurement.frame,
     Measurement.calibration_id,
     Measurement.rig_calibration_id,
+    Measurement.reference,
 )
 _PROFILE = "profile"
+_Key = tuple[str, int, str, str | None, str]
 
 
 def add_measurements(session: Session, measurements: Sequence[Measurement]) -> int:
@@ -21,13 +23,7 @@ def add_measurements(session: Session, measurements: Sequence[Measurement]) -> i
 
     The profile of a new one goes from its `wheel` into a row of its own: see `profiles_of`.
     """
-    recordings = {measurement.recording_id for measurement in measurements}
-    there = {
-        tuple(row)
-        for row in session.execute(
-            select(*_KEY).where(Measurement.recording_id.in_(sorted(recordings)))
-        )
-    }
+    there = _there(session, measurements)
     new = [each for each in measurements if _key(each) not in there]
     profiles = [_part_profile(each) for each in new]
     session.add_all(new)
@@ -38,6 +34,23 @@ def add_measurements(session: Session, measurements: Sequence[Measurement]) -> i
         if profile is not None
     )
     return len(new)
+
+
+def same_measurements(session: Session, measurements: Iterable[Measurement]) -> list[int]:
+    """Return the ids of those in the store that are of the same wheels, by the same means."""
+    wanted = list(measurements)
+    there = _there(session, wanted)
+    return [there[key] for key in map(_key, wanted) if key in there]
+
+
+def _there(session: Session, measurements: Iterable[Measurement]) -> dict[_Key, int]:
+    """Return the ids of all measurements of the same recordings, by their keys."""
+    recordings = sorted({measurement.recording_id for measurement in measurements})
+    found = select(*_KEY, Measurement.id).where(Measurement.recording_id.in_(recordings))
+    return {
+        (recording, frame, calibration, rig, reference): row_id
+        for recording, frame, calibration, rig, reference, row_id in session.execute(found)
+    }
 
 
 def _part_profile(row: Measurement) -> JsonObject | None:
@@ -53,5 +66,11 @@ def profiles_of(session: Session, measurements: Iterable[Measurement]) -> dict[i
     return {row.measurement_id: row.profile for row in session.scalars(found)}
 
 
-def _key(row: Measurement) -> tuple[str, int, str, str | None]:
-    return row.recording_id, row.frame, row.calibration_id, row.rig_calibration_id
+def _key(row: Measurement) -> _Key:
+    return (
+        row.recording_id,
+        row.frame,
+        row.calibration_id,
+        row.rig_calibration_id,
+        row.reference,
+    )

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from datetime import datetime
 
-from sqlalchemy import Select, func, select, tuple_
+from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session
 
 from station.store.activations import active
-from station.store.lookups import Page, page_of
+from station.store.paging import Cursor, Page, newest_page, page_of
 from station.store.recalibration_tables import KeptPieceCheck, Recalibration
 from station.store.states import RecalibrationState
 from station.store.tables import Activation, Calibration, Recording
@@ -133,12 +133,13 @@ def reasons_for(
 
 
 def recalibrations_page(
-    session: Session, sensor: str, *, limit: int, before: tuple[datetime, str] | None = None
+    session: Session, sensor: str, *, limit: int, before: Cursor | None = None
 ) -> Page[Recalibration]:
     """Return a sensor's recalibrations, the newest first, from those older than the key."""
-    key = tuple_(Recalibration.ordered_at, Recalibration.id)
-    query = _of(sensor)
-    return page_of(session, query if before is None else query.where(key < before), limit)
+    query = select(Recalibration).where(Recalibration.sensor == sensor)
+    return newest_page(
+        session, query, Recalibration.ordered_at, Recalibration.id, limit=limit, before=before
+    )
 
 
 def _of(sensor: str) -> Select[Recalibration]:

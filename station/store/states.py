@@ -24,6 +24,17 @@ class PassState(StrEnum):
     RECOVERED = "recovered"
 
 
+class EndedBy(StrEnum):
+    """Who ended a pass or a calibration session."""
+
+    CONTROLLER = "controller"
+    """Its finish."""
+    TIMEOUT = "timeout"
+    """The station, as the controller was not heard of."""
+    RESTART = "restart"
+    """The station, as nothing recorded any more when it was started again."""
+
+
 class SessionState(StrEnum):
     """Where a session of calibration pictures stands."""
 
@@ -118,7 +129,25 @@ PASS = Transitions(
         PassState.RECOVERED: frozenset(),
     },
 )
-"""`recovered` is `done` from a recording that a crash had cut short."""
+"""A pass holds the sensors while it is armed or recording, and leaves these two states by itself:
+by the controller's finish, by a time-out, or at a start of the station, whichever comes first.
+
+armed
+    Its rows are there, its sensors are being armed.  A call to finish it is refused.
+recording
+    Every sensor was armed.
+recorded
+    Closed, frames accounted for; to stay so where no calibration was in force or the measuring was
+    cancelled.
+measuring
+    A job has it.
+done, recovered
+    Measured, or no wheel came; `recovered` is `done` from a recording that a crash had cut short.
+failed
+    A sensor did not arm, no frame was recorded, or the measuring failed.  What was recorded stays.
+
+What the controller counted and named may come as long as it has not come: also after the end.
+"""
 
 SESSION = Transitions(
     "calibration session",
@@ -133,6 +162,11 @@ SESSION = Transitions(
         SessionState.FAILED: frozenset(),
     },
 )
+"""A session holds its sensors while it is armed or open, and leaves both by itself as a pass does.
+
+With pictures it ends `recorded`, whoever ended it; without one it has `failed`, unless a person
+finished it.
+"""
 
 CALIBRATION = Transitions(
     "calibration",

@@ -21,6 +21,7 @@ from sqlalchemy.types import TypeDecorator
 from measure import Placing, Side
 from station.store.states import (
     CalibrationState,
+    EndedBy,
     JobState,
     PassState,
     RecalibrationState,
@@ -67,6 +68,7 @@ class Table(DeclarativeBase):
         JsonObject: JSON(),
         PassState: _state(PassState),
         SessionState: _state(SessionState),
+        EndedBy: _state(EndedBy),
         CalibrationState: _state(CalibrationState),
         JobState: _state(JobState),
         RecalibrationState: _state(RecalibrationState),
@@ -79,12 +81,18 @@ class Pass(Table):
     """One train going by, named by the controller."""
 
     __tablename__ = "passes"
+    __table_args__ = (
+        Index("ix_passes_opened_at_id", "opened_at", "id"),
+        Index("ix_passes_train_opened_at", "train", "opened_at"),
+    )
 
     id: Mapped[str] = mapped_column(primary_key=True)
     state: Mapped[PassState] = mapped_column(index=True)
     train: Mapped[str | None]
     opened_at: Mapped[datetime]
     finished_at: Mapped[datetime | None]
+    ended_by: Mapped[EndedBy | None]
+    ended_why: Mapped[str | None] = mapped_column(Text)  # where it was not the controller
     reason: Mapped[str | None] = mapped_column(Text)
     job_id: Mapped[str | None]
     axles: Mapped[int | None]  # as the controller counted them
@@ -105,6 +113,7 @@ class CalibrationSession(Table):
     pictures: Mapped[int]
     opened_at: Mapped[datetime]
     finished_at: Mapped[datetime | None]
+    ended_by: Mapped[EndedBy | None]
     reason: Mapped[str | None] = mapped_column(Text)
 
 
@@ -112,6 +121,7 @@ class Recording(Table):
     """What one sensor recorded of a pass or a session, and how its frames add up."""
 
     __tablename__ = "recordings"
+    __table_args__ = (Index("ix_recordings_sensor_opened_at_id", "sensor", "opened_at", "id"),)
 
     id: Mapped[str] = mapped_column(primary_key=True)
     sensor: Mapped[str] = mapped_column(index=True)
@@ -216,13 +226,15 @@ class Measurement(Table):
 
     __tablename__ = "measurements"
     # Measuring again with the same calibration, as after a crash, adds nothing; with another
-    # calibration, of the sensor or of its rig, it adds a row and leaves the old one.
+    # calibration, of the sensor or of its rig, or against another reference, it adds a row and
+    # leaves the old one.
     __table_args__ = (
         Index(
             "uq_measurements_of_sensors",
             "recording_id",
             "frame",
             "calibration_id",
+            "reference",
             unique=True,
             sqlite_where=text("rig_calibration_id IS NULL"),
             postgresql_where=text("rig_calibration_id IS NULL"),
@@ -233,6 +245,7 @@ class Measurement(Table):
             "frame",
             "calibration_id",
             "rig_calibration_id",
+            "reference",
             unique=True,
             sqlite_where=text("rig_calibration_id IS NOT NULL"),
             postgresql_where=text("rig_calibration_id IS NOT NULL"),
@@ -298,6 +311,10 @@ class Job(Table):
     """Long work of the worker process."""
 
     __tablename__ = "jobs"
+    __table_args__ = (
+        Index("ix_jobs_created_at_id", "created_at", "id"),
+        Index("ix_jobs_subject_created_at", "subject", "created_at"),
+    )
 
     id: Mapped[str] = mapped_column(primary_key=True)
     kind: Mapped[str]

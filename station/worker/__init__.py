@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from station.processes.lock import held, is_held
 from station.settings import StationSettings
 from station.store import Recalibration
-from station.worker.lock import held, is_held
 from station.worker.queue import WorkerQueue
 
 __all__ = ["WorkerQueue", "held", "is_held", "recalibrate_here", "run_worker"]

@@ -36,7 +36,8 @@ def _take(
     view, _ = sessions.open(name, order, by=STATION)
     while view.row.state is SessionState.OPEN and view.row.pictures < capture.pictures:
         # Not `quiet.ensure`: the open session keeps trains off the sensor, so it must go on.
-        view = sessions.take_picture(name)
+        picture = f"{name}.{view.row.pictures + 1}"
+        view = sessions.take_picture(name, name=picture, by=STATION)
         if view.row.pictures < capture.pictures:
             quiet.pause(capture.pause_s)
     if view.row.state is SessionState.OPEN:

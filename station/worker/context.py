@@ -10,7 +10,7 @@ from calib import CameraModel, Method, Target
 from measure import Limits
 from station.documents import CalibrationDocument, MeasurementDocument, RigDocument
 from station.operations import Capture, DataLayout, utc_now
-from station.pipeline import CalibrationOutcome, RigOrder
+from station.pipeline import CalibrationOutcome, Resumption, RigOrder
 from station.progress import Progress
 from station.settings import MountingSettings, StationSettings
 from station.store import Store
@@ -44,6 +44,7 @@ class MeasureSources(Protocol):
         reference: str,
         limits: Limits,
         progress: Progress,
+        since: Resumption | None = None,
     ) -> MeasurementDocument: ...
 
 
@@ -70,6 +71,7 @@ class MeasureRig(Protocol):
         reference: str,
         limits: Limits,
         progress: Progress,
+        since: Resumption | None = None,
     ) -> MeasurementDocument: ...
 
 
@@ -83,6 +85,10 @@ class Mathematics:
     measure_rig: MeasureRig
 
 
+def _not_followed(_pass_id: str) -> None:
+    """Let a pass go that nobody follows."""
+
+
 @dataclass(frozen=True, slots=True)
 class WorkContext:
     """The parts of the station that its jobs use."""
@@ -94,3 +100,5 @@ class WorkContext:
     now: Callable[[], datetime] = utc_now
     captures: Mapping[str, Capture] = field(default_factory=dict)
     """The sensors' capture processes; none where the station does not run."""
+    let_go: Callable[[str], None] = _not_followed
+    """Ends measuring a pass while it is recorded, by its id, so that it can be measured whole."""

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from station.errors import InputUnusable
 from station.operations import DataLayout, add_recalibration
 from station.pipeline import calibrate_rig_sources, calibrate_sources, measure_rig, measure_sources
+from station.processes.lock import held
 from station.settings import StationSettings
 from station.store import (
     Actor,
@@ -16,7 +17,6 @@ from station.store import (
     the,
 )
 from station.worker.context import Mathematics, WorkContext
-from station.worker.lock import held
 from station.worker.recalibrating import recalibrate
 
 _BY = Actor("station recalibrate")

@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 
 from station.documents import CalibrationDocument
 from station.limits import limits_of
+from station.pipeline import Resumption
 from station.settings import StationSettings
 from station.store import (
     PASS,
@@ -17,14 +18,15 @@ from station.store import (
     Pass,
     PassState,
     Recording,
-    add_measurements,
     end,
+    end_following,
     recordings_of,
     the,
 )
 from station.trains import keep_axles
 from station.worker.context import WorkContext
 from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
+from station.worker.resuming import Measured, measured_with_followed
 from station.worker.rows import measurement_row, recorded_on_rig, rows_on_rig, why_silent
 
 _ON_RIG = "rig:"
@@ -48,6 +50,8 @@ def begin_measuring(context: WorkContext, job_id: str) -> list[str]:
     job = begin(context, job_id)
     if job is None:
         return []
+    # From here on the job alone measures the pass; what was certain by now is taken over.
+    context.let_go(job.subject)
     with context.store.look() as session:
         recordings = recordings_of(session, the(session, Pass, job.subject))
         measurable = [each for each in recordings if each.recorded and each.calibration_id]
@@ -68,34 +72,45 @@ def measure_step(
         if step.startswith(_ON_RIG):
             on_rig = recorded_on_rig(context, job_id, step.removeprefix(_ON_RIG))
             name = f"rig {on_rig.document.rig}"
-            rows = rows_on_rig(context, on_rig, progress)
+            measured = measured_with_followed(
+                context,
+                on_rig.recordings,
+                list(on_rig.measurable.values()),
+                lambda since: rows_on_rig(context, on_rig, progress, since),
+            )
         else:
-            rows = _rows(context, step, progress)
+            measured = _measured_alone(context, step, progress)
     except JobCancelled:
         return StepResult(recording=name, refused="cancelled")
     except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
         return StepResult(recording=name, refused=one_line(error, job_id))
     with context.store.change() as session:
         if the(session, Job, job_id).state is JobState.RUNNING:
-            add_measurements(session, rows)
-    return StepResult(recording=name, wheels=len(rows))
+            measured.keep(session)
+    return StepResult(recording=name, wheels=len(measured.rows))
 
 
-def _rows(context: WorkContext, recording_id: str, progress: JobProgress) -> list[Measurement]:
+def _measured_alone(context: WorkContext, recording_id: str, progress: JobProgress) -> Measured:
     with context.store.look() as session:
         recording = the(session, Recording, recording_id)
         calibration = the(session, Calibration, recording.calibration_id or "")
-    found = context.mathematics.measure(
-        [context.layout.root / recording.path],
-        CalibrationDocument.model_validate_json(calibration.document or ""),
-        reference=context.settings.reference,
-        limits=limits_of(context.settings.limits),
-        progress=progress,
-    )
-    return [
-        measurement_row(context, recording, wheel, place=at, found=found)
-        for at, wheel in enumerate(found.wheels)
-    ]
+    document = CalibrationDocument.model_validate_json(calibration.document or "")
+
+    def measure(since: Resumption | None) -> list[Measurement]:
+        found = context.mathematics.measure(
+            [context.layout.root / recording.path],
+            document,
+            reference=context.settings.reference,
+            limits=limits_of(context.settings.limits),
+            progress=progress,
+            since=since,
+        )
+        return [
+            measurement_row(context, recording, wheel, place=at, found=found)
+            for at, wheel in enumerate(found.wheels)
+        ]
+
+    return measured_with_followed(context, [recording], [recording], measure)
 
 
 def conclude_measuring(context: WorkContext, job_id: str, results: Sequence[StepResult]) -> None:
@@ -114,6 +129,7 @@ def conclude_measuring(context: WorkContext, job_id: str, results: Sequence[Step
         _step(row, PassState.RECOVERED if cut else PassState.DONE)
         single = _measured_singly(context.settings, recordings)
         row.reason = "; ".join([*refused, *_unmeasured(recordings), *single]) or None
+        end_following(session, [each.id for each in recordings])
         _keep_axles(context, session, row)
         end(job, JobState.DONE, at=context.now())
 
@@ -145,6 +161,7 @@ def fail_measuring(context: WorkContext, job_id: str, why: str) -> None:
         row = the(session, Pass, job.subject)
         _step(row, PassState.FAILED)
         row.reason = why
+        end_following(session, [each.id for each in recordings_of(session, row)])
         _keep_axles(context, session, row)
         end(job, JobState.FAILED, at=context.now(), error=why)
 

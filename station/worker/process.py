@@ -4,19 +4,22 @@ import math
 import signal
 import time
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
 import structlog
 
 from station.capture import CaptureClient
+from station.errors import StoreUnusable
 from station.operations import Capture, DataLayout
+from station.processes.lock import held
 from station.processes.stop_signal import StopSignal
 from station.settings import StationSettings
 from station.store import Store
 from station.worker.context import Mathematics, WorkContext
+from station.worker.following import PassFollower
 from station.worker.housekeeping import order_housekeeping
-from station.worker.lock import held
 from station.worker.scheduling import order_what_is_owed
 from station.worker.workflows import Workflows
 
@@ -45,21 +48,50 @@ def work(
     layout = DataLayout.of(settings)
     store = Store.open(layout.store_url)
     context = WorkContext(settings, store, layout, mathematics, captures=captures or {})
+    follower = PassFollower(context)
+    context = replace(context, let_go=follower.let_go)
     workflows = Workflows(context)
     workflows.launch()
-    looked_s = -math.inf
+    rounds = _Rounds(context, workflows)
     # Held only from here on: whoever asks whether the worker is ready asks for the lock.
     with held(layout.worker_lock, "a worker"):
         _log.info("worker ready")
+        if settings.measuring.while_recording:
+            follower.start()
         while not stop.is_set():
-            workflows.take_in()
-            order_what_is_owed(context)
-            if time.monotonic() - looked_s >= _LOOK_AT_DISK_S:
-                _look_at_disk(context)
-                looked_s = time.monotonic()
+            rounds.make()
             stop.wait(_SWEEP_S)
+        follower.stop()
         workflows.stop(_PATIENCE_S)
     store.close()
+
+
+@dataclass(slots=True)
+class _Rounds:
+    """What the worker looks after every second, beside the jobs it runs."""
+
+    context: WorkContext
+    workflows: Workflows
+    looked_s: float = -math.inf
+    reached: bool = True
+
+    def make(self) -> None:
+        """See what is to be done; a store that is away must not end the worker with its jobs."""
+        try:
+            self._look()
+        except StoreUnusable as error:
+            if self.reached:
+                _log.warning("store not reached", why=str(error))
+            self.reached = False
+        else:
+            self.reached = True
+
+    def _look(self) -> None:
+        self.workflows.take_in()
+        order_what_is_owed(self.context)
+        if time.monotonic() - self.looked_s >= _LOOK_AT_DISK_S:
+            _look_at_disk(self.context)
+            self.looked_s = time.monotonic()
 
 
 def _look_at_disk(context: WorkContext) -> None:

@@ -40,6 +40,8 @@ class WorkerQueue:
                 },
                 job_id,
             )
+            # In the API the line names the request too: so a job's lines lead to who ordered it.
+            _log.info("job ordered", job=job_id, kind=kind.value)
         except Exception as error:  # noqa: BLE001  the engine's client raises whatever its database does
             _log.warning("worker not told of a job", job=job_id, error=str(error))
 

@@ -9,6 +9,7 @@ from calib import CalibError
 from station.errors import StationError
 from station.store import Job, JobState, report_progress, start, the
 from station.worker.context import WorkContext
+from station.worker.perseverance import PASSING
 
 _log = structlog.get_logger()
 _PAUSE_S = 0.2
@@ -65,7 +66,15 @@ def begin(context: WorkContext, job_id: str) -> Job | None:
 
 
 def one_line(error: Exception, job_id: str) -> str:
-    """Return what to tell of an error; the details of one that nobody foresaw go to the log."""
+    """Return what to tell of an error; the details of one that nobody foresaw go to the log.
+
+    Raises
+    ------
+    StoreUnusable, BrokenExecutor
+        Again, where it is one: there is nothing to tell of the work, see `persevering`.
+    """
+    if isinstance(error, PASSING):
+        raise error
     if isinstance(error, (StationError, CalibError)):
         return str(error)
     _log.error("job failed unexpectedly", job=job_id, exc_info=error)

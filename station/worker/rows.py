@@ -1,5 +1,6 @@
 """From measured wheels to rows of the store: of one recording, or of all that a rig recorded."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from station.documents import (
     WheelDocument,
 )
 from station.limits import limits_of
+from station.pipeline import Resumption
 from station.progress import Progress
 from station.settings import MAX_SKEW_US
 from station.store import (
@@ -63,13 +65,14 @@ class RecordedOnRig:
         }
 
 
+NOT_ARMED, NO_CALIBRATION = "the sensor was not armed", "no calibration was active"
+
+
 def why_silent(recording: Recording | None) -> str:
     """Say why nothing of a sensor can be measured."""
     if recording is None:
-        return "the sensor was not armed"
-    if not recording.recorded:
-        return "no frame was recorded"
-    return "no calibration was active"
+        return NOT_ARMED
+    return NO_CALIBRATION if recording.recorded else "no frame was recorded"
 
 
 def recorded_on_rig(context: WorkContext, job_id: str, rig_calibration_id: str) -> RecordedOnRig:
@@ -97,7 +100,10 @@ def recorded_on_rig(context: WorkContext, job_id: str, rig_calibration_id: str) 
 
 
 def rows_on_rig(
-    context: WorkContext, on_rig: RecordedOnRig, progress: Progress
+    context: WorkContext,
+    on_rig: RecordedOnRig,
+    progress: Progress,
+    since: Resumption | None = None,
 ) -> list[Measurement]:
     """Measure the wheels that the sensors of a rig saw together; a row a wheel."""
     rig = context.settings.rig(on_rig.document.rig)
@@ -112,15 +118,17 @@ def rows_on_rig(
         reference=context.settings.reference,
         limits=limits_of(context.settings.limits),
         progress=progress,
+        since=since,
     )
     by_file = {Path(each.path).name: each for each in recordings.values()}
     return [
-        measurement_row(context, _recording_of(wheel, by_file), wheel, place=at, found=found)
+        measurement_row(context, recording_of(wheel, by_file), wheel, place=at, found=found)
         for at, wheel in enumerate(found.wheels)
     ]
 
 
-def _recording_of(wheel: WheelDocument, by_file: dict[str, Recording]) -> Recording:
+def recording_of(wheel: WheelDocument, by_file: Mapping[str, Recording]) -> Recording:
+    """Return the recording that a wheel's frame is of, from those of its looker by file name."""
     return by_file.get(wheel.source, next(iter(by_file.values())))
 
 

@@ -10,12 +10,14 @@ from collections.abc import Callable
 import structlog
 from dbos import DBOS, DBOSConfig, SetWorkflowID
 
+from station.errors import StoreUnusable
 from station.store import Job, JobKind, JobState, unfinished_jobs
 from station.worker.calibrating import calibrate, fail_calibration
 from station.worker.calibrating_rig import calibrate_rig, fail_rig_calibration
 from station.worker.context import WorkContext
 from station.worker.housekeeping import fail_housekeeping
 from station.worker.housekeeping_workflows import register_housekeeping
+from station.worker.job_log import logged
 from station.worker.measuring import (
     StepResult,
     begin_measuring,
@@ -24,9 +26,12 @@ from station.worker.measuring import (
     measure_step,
 )
 from station.worker.measuring_again import fail_measuring_again
+from station.worker.perseverance import persevering
 from station.worker.queue import APPLICATION, APPLICATION_VERSION, EXECUTOR_ID
 from station.worker.recalibrating import fail_recalibration
 from station.worker.recalibration_workflows import register_recalibrating
+from station.worker.replay_workflows import register_replaying
+from station.worker.replaying import fail_replay
 
 _MOST_ATTEMPTS = 5
 _POLLING_S = 0.1
@@ -37,6 +42,7 @@ _FAIL: dict[JobKind, Callable[[WorkContext, str, str], None]] = {
     JobKind.MEASURE: fail_measuring,
     JobKind.RECALIBRATE: fail_recalibration,
     JobKind.MEASURE_AGAIN: fail_measuring_again,
+    JobKind.REPLAY: fail_replay,
     JobKind.RETENTION: fail_housekeeping,
     JobKind.COMPACT: fail_housekeeping,
 }
@@ -87,35 +93,44 @@ class Workflows:
 
     def stop(self, patience_s: int) -> None:
         """Stop the engine; a step not done in time is done again after the next start."""
-        with self._context.store.look() as session:
-            busy = any(job.state is JobState.RUNNING for job in unfinished_jobs(session))
+        try:
+            with self._context.store.look() as session:
+                busy = any(job.state is JobState.RUNNING for job in unfinished_jobs(session))
+        except StoreUnusable:
+            busy = True  # a step may be waiting for the store, and is done after the next start
         # Asked to wait at all, the engine waits for a second at least.
         DBOS.destroy(workflow_completion_timeout_sec=patience_s if busy else 0)
 
 
 def _register(context: WorkContext) -> dict[JobKind, Callable[[str], None]]:
     @DBOS.step(name="calibrate")
+    @persevering
     def solve_step(job_id: str) -> None:
         calibrate(context, job_id)
 
     @DBOS.step(name="begin_measuring")
+    @persevering
     def begin_step(job_id: str) -> list[str]:
         return begin_measuring(context, job_id)
 
     # Its name is of a time when a step was always one recording; a log that names it goes on.
     @DBOS.step(name="measure_recording")
+    @persevering
     def measuring_step(job_id: str, step: str, place: int, of: int) -> StepResult:
         return measure_step(context, job_id, step, place=place, of=of)
 
     @DBOS.step(name="conclude_measuring")
+    @persevering
     def conclude_step(job_id: str, results: list[StepResult]) -> None:
         conclude_measuring(context, job_id, results)
 
     @DBOS.workflow(name=JobKind.CALIBRATE.value, max_recovery_attempts=_MOST_ATTEMPTS)
+    @logged(context)
     def calibrate_workflow(job_id: str) -> None:
         solve_step(job_id)
 
     @DBOS.workflow(name=JobKind.MEASURE.value, max_recovery_attempts=_MOST_ATTEMPTS)
+    @logged(context)
     def measure_workflow(job_id: str) -> None:
         steps = begin_step(job_id)
         results = [
@@ -124,10 +139,12 @@ def _register(context: WorkContext) -> dict[JobKind, Callable[[str], None]]:
         conclude_step(job_id, results)
 
     @DBOS.step(name="calibrate_rig")
+    @persevering
     def solve_rig_step(job_id: str) -> None:
         calibrate_rig(context, job_id)
 
     @DBOS.workflow(name=JobKind.CALIBRATE_RIG.value, max_recovery_attempts=_MOST_ATTEMPTS)
+    @logged(context)
     def calibrate_rig_workflow(job_id: str) -> None:
         solve_rig_step(job_id)
 
@@ -136,5 +153,6 @@ def _register(context: WorkContext) -> dict[JobKind, Callable[[str], None]]:
         JobKind.CALIBRATE_RIG: calibrate_rig_workflow,
         JobKind.MEASURE: measure_workflow,
         **register_recalibrating(context, _MOST_ATTEMPTS),
+        **register_replaying(context, _MOST_ATTEMPTS),
         **register_housekeeping(context, _MOST_ATTEMPTS),
     }

@@ -5,11 +5,13 @@ from fastapi import APIRouter
 from station.api.routes import (
     audit,
     calibrations,
+    frames,
     health,
     jobs,
     passes,
     recalibrations,
     recordings,
+    replays,
     results,
     rigs,
     sessions,
@@ -27,7 +29,9 @@ ROUTERS: tuple[APIRouter, ...] = (
     rigs.router,
     jobs.router,
     recordings.router,
+    frames.router,
     results.router,
+    replays.router,
     wheelsets.router,
     audit.router,
 )

@@ -11,8 +11,16 @@ from station.api.actors import By
 from station.api.answers import ActivationModel, CalibrationModel
 from station.api.callers import Calibrator, Reader
 from station.api.etag import etag_of, version_in
+from station.api.list_answers import CalibrationsPage
+from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
-from station.api.requests import ActivationRequest, CalibrationRequest, IdInPath, SensorInPath
+from station.api.requests import (
+    ActivationRequest,
+    CalibrationRequest,
+    IdInPath,
+    Limit,
+    SensorInPath,
+)
 from station.operations import (
     CalibrationOrder,
     activate_calibration,
@@ -20,7 +28,8 @@ from station.operations import (
     calibration_points,
     order_calibration,
 )
-from station.store import Calibration, the
+from station.settings import SensorId
+from station.store import Calibration, calibrations_page, the
 
 router = APIRouter(prefix="/v1", tags=["calibration"])
 
@@ -47,6 +56,20 @@ def post_calibration(
     response.headers["Location"] = f"/v1/jobs/{job.id}"
     response.headers["Retry-After"] = _RETRY_AFTER_S
     return CalibrationModel.of(calibration, None)
+
+
+@router.get("/calibrations")
+def list_calibrations(
+    parts: PartsOf,
+    _: Reader,
+    limit: Limit = 100,
+    before: Before = None,
+    sensor: SensorId | None = None,
+) -> CalibrationsPage:
+    """Return calibrations of sensors, the newest first, without their files."""
+    with parts.station.store.look() as session:
+        page = calibrations_page(session, limit=limit, before=cursor_in(before), sensor=sensor)
+    return CalibrationsPage.of(page)
 
 
 @router.get("/calibrations/{calibration_id}")

@@ -3,15 +3,17 @@
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, PlainTextResponse
 
-from station.api.answers import Health, Readiness
 from station.api.callers import Reader
 from station.api.contract import contract_of
 from station.api.docs import docs_page
-from station.api.parts import Parts, PartsOf
-from station.errors import StationError
-from station.operations import Capture
+from station.api.health_answers import Health, Readiness
+from station.api.parts import PartsOf
 
 router = APIRouter(tags=["health"])
+_AGAIN_S = 5
+_WHEN_AGAIN = {
+    "Retry-After": {"description": "Seconds until a look pays.", "schema": {"type": "integer"}}
+}
 
 
 @router.get("/healthz")
@@ -20,30 +22,14 @@ def get_health() -> Health:
     return Health(status="alive")
 
 
-@router.get("/readyz", responses={503: {}})
+@router.get("/readyz", responses={503: {"headers": _WHEN_AGAIN}})
 def get_readiness(parts: PartsOf, response: Response) -> Readiness:
     """Tell which part is ready, and why another is not."""
-    found = _readiness(parts)
-    response.status_code = 200 if found.ready else 503
+    found = Readiness.of(parts.lookout.look())
+    if not found.ready:
+        response.status_code = 503
+        response.headers["Retry-After"] = str(_AGAIN_S)
     return found
-
-
-def _readiness(parts: Parts) -> Readiness:
-    answers = {"store": "ready", "worker": "ready" if parts.worker_ready() else "not running"}
-    try:
-        parts.station.store.ensure_answers()
-    except Exception:  # noqa: BLE001  whatever the database's driver raises, it is not ready
-        answers["store"] = "does not answer"
-    for sensor, capture in parts.station.captures.items():
-        answers[f"sensor {sensor}"] = _problem(capture) or "ready"
-    return Readiness(ready=set(answers.values()) == {"ready"}, parts=answers)
-
-
-def _problem(capture: Capture) -> str | None:
-    try:
-        return capture.status().problem
-    except StationError as error:
-        return str(error)
 
 
 @router.get("/metrics", response_class=PlainTextResponse)

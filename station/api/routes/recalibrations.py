@@ -1,6 +1,5 @@
 """Calibrating sensors anew, what came of it, and answering what it asks."""
 
-from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Response
@@ -8,6 +7,7 @@ from fastapi import APIRouter, Header, Query, Response
 from station.api.actors import By
 from station.api.callers import Calibrator, Reader
 from station.api.etag import etag_of, version_in
+from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
 from station.api.recalibration_answers import (
     InForcePage,
@@ -16,7 +16,6 @@ from station.api.recalibration_answers import (
 )
 from station.api.recalibration_requests import AnswerRequest, RecalibrationRequest
 from station.api.requests import IdInPath, Limit, SensorInPath
-from station.errors import InputUnusable
 from station.operations import (
     RecalibrationOrder,
     answer_recalibration,
@@ -107,24 +106,10 @@ def list_recalibrations(
     parts: PartsOf,
     _: Reader,
     limit: Limit = 100,
-    before: Annotated[str | None, Query(max_length=256, description="`next` of a page.")] = None,
+    before: Before = None,
 ) -> RecalibrationsPage:
     """Return the recalibrations of a sensor, the newest first."""
     sensor_at(parts.station.settings, sensor_id)
     with parts.station.store.look() as session:
-        page = recalibrations_page(session, sensor_id, limit=limit, before=_key(before))
+        page = recalibrations_page(session, sensor_id, limit=limit, before=cursor_in(before))
     return RecalibrationsPage.of(page)
-
-
-def _key(text: str | None) -> tuple[datetime, str] | None:
-    if text is None:
-        return None
-    moment, _, row_id = text.partition(" ")
-    try:
-        at = datetime.fromisoformat(moment)
-    except ValueError:
-        at = None
-    # One without a zone is none of ours, and what it means would depend on the host's.
-    if at is None or at.tzinfo is None:
-        raise InputUnusable(f"before {text!r}: send `next` of a page, as it came")
-    return at, row_id

@@ -1,25 +1,23 @@
 """What was recorded."""
 
-import re
-from datetime import UTC, datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.responses import FileResponse
 
 from station.api.actors import By
-from station.api.answers import RecordingModel, RecordingsPage
+from station.api.answers import RecordingModel
 from station.api.callers import Calibrator, Reader
+from station.api.list_answers import RecordingsPage
+from station.api.paging import Before, Since, Until, cursor_in, span_of
 from station.api.parts import PartsOf
 from station.api.receiving import receive_upload
-from station.api.requests import Limit, RecordingInPath
-from station.errors import InputUnusable
+from station.api.requests import CallersId, Limit, RecordingInPath
 from station.operations import recording_file
+from station.settings import SensorId
 from station.store import Recording, recordings_page, the
 
 router = APIRouter(prefix="/v1/recordings", tags=["recordings"])
-
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,127}")
 
 
 @router.get("")
@@ -27,29 +25,27 @@ def list_recordings(
     parts: PartsOf,
     _: Reader,
     limit: Limit = 100,
-    before: Annotated[str | None, Query(max_length=256, description="`next` of a page.")] = None,
+    before: Before = None,
+    sensor: SensorId | None = None,
+    pass_id: Annotated[CallersId | None, Query(alias="pass")] = None,
+    session_id: Annotated[
+        CallersId | None, Query(alias="session", description="A calibration session.")
+    ] = None,
+    since: Since = None,
+    until: Until = None,
 ) -> RecordingsPage:
     """Return recordings, the newest first."""
     with parts.station.store.look() as session:
-        page = recordings_page(session, limit=limit, before=_key(before))
-    last = page.rows[-1] if page.more else None
-    return RecordingsPage(
-        recordings=[RecordingModel.of(row) for row in page.rows],
-        next=f"{last.opened_at.isoformat()} {last.id}" if last else None,
-    )
-
-
-def _key(text: str | None) -> tuple[datetime, str] | None:
-    if text is None:
-        return None
-    moment, _, recording_id = text.partition(" ")
-    try:
-        opened_at = datetime.fromisoformat(moment).astimezone(UTC)
-    except (ValueError, OverflowError):
-        opened_at = None
-    if opened_at is None or not _NAME.fullmatch(recording_id):
-        raise InputUnusable(f"before {text!r}: send `next` of a page, as it came")
-    return opened_at, recording_id
+        page = recordings_page(
+            session,
+            limit=limit,
+            before=cursor_in(before),
+            span=span_of(since, until),
+            sensor=sensor,
+            pass_id=pass_id,
+            session_id=session_id,
+        )
+    return RecordingsPage.of(page)
 
 
 @router.get("/{recording_id}")

@@ -10,10 +10,13 @@ from station.api.actors import By
 from station.api.answers import RigActivationModel, RigCalibrationModel
 from station.api.callers import Calibrator, Reader
 from station.api.etag import etag_of, version_in
+from station.api.list_answers import RigCalibrationsPage
+from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
 from station.api.requests import (
     ActivationRequest,
     IdInPath,
+    Limit,
     RigCalibrationRequest,
     RigInPath,
 )
@@ -25,7 +28,8 @@ from station.operations import (
     keep_rig_calibration,
     order_rig_calibration,
 )
-from station.store import RigCalibration, the
+from station.settings import SensorId
+from station.store import RigCalibration, rig_calibrations_page, the
 
 router = APIRouter(prefix="/v1", tags=["calibration"])
 
@@ -63,6 +67,20 @@ def post_rig_file(
     calibration = keep_rig_calibration(parts.station, body, by=by)
     response.headers["Location"] = f"/v1/rig-calibrations/{calibration.id}"
     return RigCalibrationModel.of(calibration, body.model_dump(mode="json"))
+
+
+@router.get("/rig-calibrations")
+def list_rig_calibrations(
+    parts: PartsOf,
+    _: Reader,
+    limit: Limit = 100,
+    before: Before = None,
+    rig: SensorId | None = None,
+) -> RigCalibrationsPage:
+    """Return calibrations of rigs, the newest first, without their files."""
+    with parts.station.store.look() as session:
+        page = rig_calibrations_page(session, limit=limit, before=cursor_in(before), rig=rig)
+    return RigCalibrationsPage.of(page)
 
 
 @router.get("/rig-calibrations/{calibration_id}")

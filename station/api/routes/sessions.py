@@ -6,14 +6,34 @@ from calib import Target
 from station.api.actors import By
 from station.api.answers import SessionModel
 from station.api.callers import Calibrator, Reader
+from station.api.list_answers import SessionsPage
+from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
-from station.api.requests import IdInPath, SessionRequest
+from station.api.requests import IdInPath, Limit, SessionRequest
 from station.operations import SessionOrder
+from station.settings import SensorId
+from station.store import recordings_by_session, sessions_page
 
-router = APIRouter(prefix="/v1/calibration-sessions/{session_id}", tags=["calibration"])
+router = APIRouter(prefix="/v1/calibration-sessions", tags=["calibration"])
+
+_ONE = "/{session_id}"
 
 
-@router.put("", responses={201: {"model": SessionModel}})
+@router.get("")
+def list_sessions(
+    parts: PartsOf,
+    _: Reader,
+    limit: Limit = 100,
+    before: Before = None,
+    sensor: SensorId | None = None,
+) -> SessionsPage:
+    """Return calibration sessions, the newest first; of a sensor, those of its rig too."""
+    with parts.station.store.look() as session:
+        page = sessions_page(session, limit=limit, before=cursor_in(before), sensor=sensor)
+        return SessionsPage.of(page, recordings_by_session(session, page.rows))
+
+
+@router.put(_ONE, responses={201: {"model": SessionModel}})
 def put_session(
     session_id: IdInPath,
     body: SessionRequest,
@@ -37,19 +57,20 @@ def put_session(
     return SessionModel.of(view)
 
 
-@router.post("/capture")
-def capture_picture(session_id: IdInPath, parts: PartsOf, _: Calibrator) -> SessionModel:
+@router.post(f"{_ONE}/capture")
+def capture_picture(session_id: IdInPath, parts: PartsOf, _: Calibrator, by: By) -> SessionModel:
     """Take one picture with each sensor; answers when they are recorded."""
-    return SessionModel.of(parts.sessions.take_picture(session_id))
+    name = parts.station.new_id()
+    return SessionModel.of(parts.sessions.take_picture(session_id, name=name, by=by))
 
 
-@router.post("/finish")
+@router.post(f"{_ONE}/finish")
 def finish_session(session_id: IdInPath, parts: PartsOf, _: Calibrator, by: By) -> SessionModel:
     """Close the recording of a session."""
     return SessionModel.of(parts.sessions.finish(session_id, by=by))
 
 
-@router.get("")
+@router.get(_ONE)
 def get_session(session_id: IdInPath, parts: PartsOf, _: Reader) -> SessionModel:
     """Return the state of a session and how many pictures it has."""
     return SessionModel.of(parts.sessions.view(session_id))

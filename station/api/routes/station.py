@@ -4,9 +4,10 @@ import shutil
 
 from fastapi import APIRouter
 
-from station.api.answers import RigModel, SensorModel, StationModel
 from station.api.callers import Reader
+from station.api.health_answers import StationAlarmModel
 from station.api.parts import PartsOf
+from station.api.station_answers import RigModel, SensorModel, StationModel
 from station.errors import StationError
 from station.operations import Station
 from station.settings import RigSettings, SensorSettings
@@ -24,7 +25,7 @@ router = APIRouter(prefix="/v1", tags=["station"])
 
 @router.get("/station")
 def get_station(parts: PartsOf, _: Reader) -> StationModel:
-    """Return the sensors, their states and rigs, the version, the space on the disk."""
+    """Return the sensors, their states and rigs, the version, the disk, and what is wrong."""
     station = parts.station
     disk = shutil.disk_usage(station.layout.root)
     with station.store.look() as session:
@@ -39,6 +40,7 @@ def get_station(parts: PartsOf, _: Reader) -> StationModel:
         worker_ready=parts.worker_ready(),
         disk_free_bytes=disk.free,
         disk_total_bytes=disk.total,
+        alarms=[StationAlarmModel.of(trouble) for trouble in parts.lookout.look().troubles],
     )
 
 

@@ -30,7 +30,11 @@ class FakeCapture:
     plans: list = field(default_factory=list)
     pictures: int = 0
     broken: str | None = None
+    broken_trigger: bool = False
     gate: threading.Event | None = None
+    age_s: float | None = None
+    """Time since it was armed, where the test says it; and since the last frame."""
+    silent_s: float | None = None
 
     def status(self):
         self._ensure_works()
@@ -38,6 +42,10 @@ class FakeCapture:
             CaptureState.RECORDING if self.plan else CaptureState.IDLE,
             "left",
             session_id=self.plan.session_id if self.plan else None,
+            path=self.plan.path if self.plan else None,
+            recording_s=self.age_s if self.plan else None,
+            silent_s=self.silent_s if self.plan else None,
+            recorded=self.pictures,
             totals={"recorded": self.pictures, "lost": self.lost},
         )
 
@@ -50,6 +58,8 @@ class FakeCapture:
 
     def trigger(self):
         self._ensure_works()
+        if self.broken_trigger:
+            raise CameraUnreachable("no frame came")
         self.pictures += 1
         return self.pictures
 
@@ -101,13 +111,15 @@ SENSORS = (
 class Served:
     """A station whose API is served, and what is needed to play with it."""
 
-    def __init__(self, root: Path, empty_store: Path, *, sensors=SENSORS, **settings) -> None:
+    def __init__(
+        self, root: Path, empty_store: Path | None, *, sensors=SENSORS, **settings
+    ) -> None:
         self.settings = StationSettings(data_dir=root, sensors=sensors, **settings)
         self.layout = DataLayout.of(self.settings)
         if self.settings.store_url is None:
             shutil.copy(empty_store, root / "station.sqlite")
         self.store = Store.open(self.layout.store_url)
-        self.captures = {sensor.id: FakeCapture() for sensor in self.settings.sensors}
+        self.captures = {sensor.id: self._capture(sensor) for sensor in self.settings.sensors}
         self.queue = FakeQueue()
         self.saved: dict[str, int] = {}
         self.worker_ready = True
@@ -119,15 +131,34 @@ class Served:
             jobs=self.queue,
             salvage=self._salvage,
         )
-        app = build_app(self.station, admin_key=ADMIN_KEY, worker_ready=lambda: self.worker_ready)
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin to serve, as a new API process does."""
+        app = build_app(
+            self._station_of_process(),
+            admin_key=ADMIN_KEY,
+            worker_ready=lambda: self.worker_ready,
+        )
         self.app = app
         listening = socket.create_server(("127.0.0.1", 0))
         self.url = f"http://127.0.0.1:{listening.getsockname()[1]}"
-        self._server = uvicorn.Server(server_config(app, self.settings))
+        self.server = uvicorn.Server(server_config(app, self.settings))
         self._thread = threading.Thread(
-            target=self._server.run, kwargs={"sockets": [listening]}, daemon=True
+            target=self.server.run, kwargs={"sockets": [listening]}, daemon=True
         )
         self._thread.start()
+
+    def end(self) -> None:
+        """Serve no more; the store and the doubles stay."""
+        self.server.should_exit = True
+        self._thread.join(10.0)
+
+    def _capture(self, _sensor):
+        return FakeCapture()
+
+    def _station_of_process(self) -> Station:
+        return self.station
 
     def _salvage(self, path):
         frames = self.saved.get(path.stem)
@@ -142,6 +173,5 @@ class Served:
             return add_key(session, "test", scopes, at=utc_now())
 
     def close(self) -> None:
-        self._server.should_exit = True
-        self._thread.join(10.0)
+        self.end()
         self.store.close()

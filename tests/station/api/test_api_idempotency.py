@@ -1,17 +1,28 @@
-"""Shows that a POST with an Idempotency-Key is done once however often it comes.  A call during
-which the API process dies is forgotten, and done again when it comes again: see `kept_answers`."""
+"""Shows that a POST with an Idempotency-Key is done once however often it comes.  What a call leaves
+behind during which the API process dies is shown by `test_api_killed_posts`."""
 
 import threading
 from datetime import timedelta
 
 import pytest
+from served_station import Served
 from test_api_calibration import SESSION, record_session
 
-from station.api import build_app
+from station.errors import StoreUnusable
 from station.store import Calibration, KeptAnswer, Scope
 
 ORDER = {"sensor": "left", "session": "s1"}
 PLACE = "/v1/calibrations"
+RIG_SENSORS = ({"id": "inner", "address": "127.0.0.2"}, {"id": "outer", "address": "127.0.0.3"})
+
+
+@pytest.fixture
+def rig_call(tmp_path, empty_store):
+    rig = {"id": "wheel", "sensors": [each["id"] for each in RIG_SENSORS]}
+    served = Served(tmp_path, empty_store, sensors=RIG_SENSORS, rigs=[rig])
+    with served.client() as client:
+        yield served, client
+    served.close()
 
 
 def order(client, key, body=ORDER, place=PLACE):
@@ -99,15 +110,46 @@ def test_an_answer_is_forgotten_after_a_day(served, call):
     assert order(call, "k1").json()["id"] != first
 
 
-def test_a_call_that_a_dead_api_process_took_may_be_made_again(served, call):
+def test_a_call_that_was_done_and_not_answered_finds_what_it_did(served, call):
     record_session(call)
-    order(call, "k1")
+    first = order(call, "k1").json()
     with served.store.change() as session:
         session.query(KeptAnswer).one().status = None
-    assert order(call, "k1").status_code == 409
-    app = build_app(served.station, admin_key=None, worker_ready=lambda: True)
-    app.build_middleware_stack()
+    assert order(call, "k1", {**ORDER, "method": "preplanar"}).status_code == 422
+    again = order(call, "k1")
+    assert (again.status_code, again.json()) == (202, first)
+    assert "Idempotency-Replayed" not in again.headers
+    assert count(served, Calibration) == 1
+
+
+def test_an_answer_that_cannot_be_kept_is_503_and_the_call_finds_what_it_did(
+    served, call, monkeypatch
+):
+    record_session(call)
+
+    def full(*_, **__):
+        raise StoreUnusable("the store cannot be used now; try again")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("station.api.idempotency.keep_answer", full)
+        reply = order(call, "k1")
+    assert (reply.status_code, "Retry-After" in reply.headers) == (503, True)
     assert order(call, "k1").status_code == 202
+    assert count(served, Calibration) == 1
+
+
+def test_a_picture_that_failed_on_one_sensor_of_a_rig_is_made_whole_by_the_same_call(rig_call):
+    served, call = rig_call
+    call.put(SESSION, json={"rig": "wheel", "target": "dots:7x8:12"})
+    left, right = served.captures.values()
+    right.broken_trigger = True
+    place = f"{SESSION}/capture"
+    assert order(call, "k1", {}, place).status_code == 503
+    right.broken_trigger = False
+    assert order(call, "k1", {}, place).json()["pictures"] == 1
+    assert (left.pictures, right.pictures) == (1, 1)
+    assert order(call, "k2", {}, place).json()["pictures"] == 2
+    assert (left.pictures, right.pictures) == (2, 2)
 
 
 @pytest.mark.parametrize("key", ["", "a b", "x" * 256, "é".encode()])

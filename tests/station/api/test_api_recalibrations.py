@@ -126,7 +126,7 @@ def test_question_shows_in_the_station_and_its_metrics_until_it_is_answered(serv
     metrics = call.get("/metrics").text
     assert 'station_recalibration_alarm{sensor="left"} 1.0' in metrics
     assert 'station_recalibration_asking{sensor="left"} 1.0' in metrics
-    assert 'station_recalibration_largest_mm{sensor="left"} 0.3' in metrics
+    assert 'station_recalibration_largest_meters{sensor="left"} 0.0003' in metrics
     assert 'station_calibration_age_seconds{sensor="left"}' in metrics
     answer(call, asking, "activate")
     (left, _) = call.get("/v1/station").json()["sensors"]
@@ -147,7 +147,9 @@ def test_person_who_agrees_brings_it_into_force_with_the_reason(call, asking):
     assert (body["answered_by"], body["answer"]) == ("environment", "bracket was hit")
     assert call.get("/v1/sensors/left/active-calibration").json()["calibration"] == asking
     again = answer(call, asking, "activate")
-    assert (again.status_code, again.json()["state"]) == (409, "activated")
+    assert (again.status_code, again.json()) == (200, body)
+    other = answer(call, asking, "refuse")
+    assert (other.status_code, other.json()["state"]) == (409, "activated")
 
 
 def test_person_who_refuses_leaves_everything_as_it_is(call, asking):

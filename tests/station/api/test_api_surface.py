@@ -148,27 +148,6 @@ def test_answers_carry_cautious_headers_and_an_id(call):
     assert len(headers["X-Request-Id"]) == 12
 
 
-def test_readiness_names_the_part_that_is_not_ready_and_why(served):
-    with served.client(key=None) as client:
-        assert client.get("/readyz").json() == {
-            "ready": True,
-            "parts": {
-                "store": "ready",
-                "worker": "ready",
-                "sensor left": "ready",
-                "sensor right": "ready",
-            },
-        }
-        served.worker_ready = False
-        served.captures["right"].broken = "127.0.0.3: no camera answers"
-        reply = client.get("/readyz")
-        assert reply.status_code == 503
-        parts = reply.json()["parts"]
-        assert parts["worker"] == "not running"
-        assert parts["sensor right"] == "127.0.0.3: no camera answers"
-        assert client.get("/healthz").status_code == 200
-
-
 def test_the_station_tells_of_its_sensors(served, call):
     served.captures["right"].broken = "127.0.0.3: no camera answers"
     body = call.get("/v1/station").json()
@@ -189,17 +168,6 @@ def test_metrics_count_requests_by_route_and_never_by_address(served, call):
     assert f"{count} 3.0" in text
     assert "nowhere" not in text
     assert 'station_passes{state="recording"} 1.0' in text
-
-
-def test_metrics_tell_of_every_sensor_and_of_one_that_is_down(served, call):
-    served.captures["right"].broken = "no camera answers at 127.0.0.3"
-    call.put("/v1/passes/p1", json={})
-    served.captures["left"].lost = 2
-    text = call.get("/metrics").text
-    assert 'station_sensor_up{sensor="left"} 1.0' in text
-    assert 'station_sensor_up{sensor="right"} 0.0' in text
-    assert 'station_capture_total{sensor="left",what="lost"} 2.0' in text
-    assert 'sensor="right",what' not in text
 
 
 def test_the_docs_page_lists_every_operation_and_loads_nothing(served, call):

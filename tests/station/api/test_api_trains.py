@@ -91,7 +91,7 @@ class Trackside:
         return self.call.get(f"/v1/passes/{pass_id}/wheels").json()
 
     def _measure(self, job, wheels, changed):
-        def measure(_sources, calibration, *, reference, limits, progress):
+        def measure(_sources, calibration, *, reference, limits, progress, since=None):
             return MeasurementDocument(
                 created=NOON,
                 software="treadline 0",

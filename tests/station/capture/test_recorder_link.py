@@ -119,3 +119,49 @@ def test_frames_given_up_for_the_end_of_the_file_are_not_counted_as_recorded(lin
     intake.compare(frames=3)
     assert (intake.account.recorded, intake.account.lost, intake.account.accounted) == (3, 2, 5)
     assert [(event.kind, event.count) for event in intake.events] == [(EventKind.FRAMES_DROPPED, 2)]
+
+
+def kill(link):
+    os.kill(link.pid, signal.SIGKILL)
+    os.waitid(os.P_PID, link.pid, os.WEXITED | os.WNOWAIT)
+
+
+def test_recorder_that_died_with_nothing_to_do_is_followed_by_another_at_once(link):
+    link.ensure_alive()
+    first = link.pid
+    kill(link)
+    link.ensure_alive()
+    assert link.pid != first
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_recorder_killed_while_it_opens_a_recording_is_followed_by_one_that_does(
+    link, plan, monkeypatch, begun
+):
+    first, ask = link.pid, link._ask
+
+    def ask_and_die(order, timeout_s):
+        monkeypatch.setattr(link, "_ask", ask)
+        if begun:
+            ask(order, timeout_s)
+        kill(link)
+        return ask(order, timeout_s)
+
+    monkeypatch.setattr(link, "_ask", ask_and_die)
+    link.open(plan, {"session": {"id": "x"}})
+    assert link.pid != first
+    assert put_and_wait(link, entry(0))[0].failure is None
+    assert link.finish({}) == 1
+    assert verify(plan.path).ok
+
+
+def test_recording_whose_recorder_finished_it_and_died_before_it_said_so_is_finished(link, plan):
+    link.open(plan, {})
+    put_and_wait(link, entry(0))
+    assert link.finished_unsaid() is None
+    link._send({"do": "finish", "accounting": {"recorded": "1"}})
+    assert link._has_answer(20.0)
+    kill(link)
+    assert link.finished_unsaid() == 1
+    assert link.paths == (plan.path,)
+    assert not link.is_recording

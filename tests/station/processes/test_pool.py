@@ -7,6 +7,9 @@ import sys
 import time
 from pathlib import Path
 
+from station.processes.pool import pool_of_processes
+from station.processes.stop_signal import STOP_SIGNALS
+
 PATIENCE_S = 30.0
 CALCULATES = """
 import os, time
@@ -42,3 +45,12 @@ def test_processes_of_a_killed_one_do_not_wait_for_work_for_ever(tmp_path):
     finally:
         for pid in filter(runs, pids):
             os.kill(pid, signal.SIGKILL)
+
+
+def test_a_stop_signal_to_all_processes_does_not_cut_off_the_work_of_a_pool():
+    with pool_of_processes(1) as pool:
+        (pid,) = {pool.submit(os.getpid).result()}
+        for number in STOP_SIGNALS:
+            os.kill(pid, number)
+        # Asked after the signals, which a process meets before it takes up anything else.
+        assert pool.submit(os.getpid).result() == pid

@@ -7,7 +7,6 @@ from station.store import (
     Standing,
     begin_call,
     forget_call,
-    forget_unanswered,
     keep_answer,
 )
 
@@ -26,9 +25,9 @@ def keep(store, call=CALL):
         keep_answer(session, call, status=202, headers={"location": "/v1/jobs/1"}, body=b"\x00{}")
 
 
-def test_a_call_is_new_then_running_then_answered(store):
+def test_a_call_is_new_then_unanswered_then_answered(store):
     assert begin(store) == (Standing.NEW, None)
-    assert begin(store) == (Standing.RUNNING, None)
+    assert begin(store) == (Standing.UNANSWERED, None)
     keep(store)
     assert begin(store) == (Standing.ANSWERED, b"\x00{}")
     assert begin(store, Call("controller", "k1", "f2"))[0] is Standing.OF_ANOTHER_CALL
@@ -42,15 +41,12 @@ def test_what_is_forgotten_may_be_called_again(store):
     assert begin(store)[0] is Standing.NEW
 
 
-def test_a_new_process_forgets_what_was_not_answered_and_that_alone(store):
-    answered = Call("controller", "k2", "f")
+def test_what_was_not_answered_stays_what_it_was_asked_as(store):
     begin(store)
-    begin(store, answered)
-    keep(store, answered)
+    begin(store, at=NOON + timedelta(hours=1))
     with store.change() as session:
-        forget_unanswered(session)
-    assert begin(store)[0] is Standing.NEW
-    assert begin(store, answered)[0] is Standing.ANSWERED
+        standing, kept = begin_call(session, CALL, at=NOON + timedelta(hours=2))
+        assert (standing, kept.asked_at) == (Standing.UNANSWERED, NOON)
 
 
 def test_an_answer_is_kept_for_a_day(store):

@@ -84,7 +84,7 @@ class SlowMathematics:
         self._note(f"end calibrate {sensor}")
         return CalibrationOutcome(a_calibration_document(sensor), "image,kind\n", ())
 
-    def measure(self, sources, calibration, *, reference, limits, progress):
+    def measure(self, sources, calibration, *, reference, limits, progress, since=None):
         (source,) = sources
         self._note(f"begin measure {source.stem}")
         self._work(progress)

@@ -1,0 +1,118 @@
+"""What comes out over HTTP of lists: some rows, and `next`, the `before` of the next page."""
+
+from collections.abc import Mapping, Sequence
+from typing import Self
+
+from station.api.answers import (
+    CalibrationModel,
+    JobModel,
+    Out,
+    PassModel,
+    RecordingModel,
+    RigCalibrationModel,
+    SessionModel,
+)
+from station.api.paging import next_of
+from station.operations import PassView, SessionView
+from station.store import (
+    Calibration,
+    CalibrationSession,
+    Job,
+    Page,
+    Pass,
+    Recording,
+    RigCalibration,
+)
+
+
+class _PageModel(Out):
+    next: str | None
+    """The `before` of the next page; null on the last."""
+
+
+class PassesPage(_PageModel):
+    """Some passes."""
+
+    passes: list[PassModel]
+
+    @classmethod
+    def of(cls, page: Page[Pass], recordings: Mapping[str, Sequence[Recording]]) -> Self:
+        last = page.rows[-1] if page.more else None
+        views = [PassView(row, recordings.get(row.id, ())) for row in page.rows]
+        return cls(
+            passes=[PassModel.of(view) for view in views],
+            next=None if last is None else next_of(last.opened_at, last.id),
+        )
+
+
+class SessionsPage(_PageModel):
+    """Some calibration sessions."""
+
+    sessions: list[SessionModel]
+
+    @classmethod
+    def of(
+        cls, page: Page[CalibrationSession], recordings: Mapping[str, Sequence[Recording]]
+    ) -> Self:
+        last = page.rows[-1] if page.more else None
+        views = [SessionView(row, recordings.get(row.id, ())) for row in page.rows]
+        return cls(
+            sessions=[SessionModel.of(view) for view in views],
+            next=None if last is None else next_of(last.opened_at, last.id),
+        )
+
+
+class RecordingsPage(_PageModel):
+    """Some recordings."""
+
+    recordings: list[RecordingModel]
+
+    @classmethod
+    def of(cls, page: Page[Recording]) -> Self:
+        last = page.rows[-1] if page.more else None
+        return cls(
+            recordings=[RecordingModel.of(row) for row in page.rows],
+            next=None if last is None else next_of(last.opened_at, last.id),
+        )
+
+
+class JobsPage(_PageModel):
+    """Some jobs."""
+
+    jobs: list[JobModel]
+
+    @classmethod
+    def of(cls, page: Page[Job]) -> Self:
+        last = page.rows[-1] if page.more else None
+        return cls(
+            jobs=[JobModel.of(row) for row in page.rows],
+            next=None if last is None else next_of(last.created_at, last.id),
+        )
+
+
+class CalibrationsPage(_PageModel):
+    """Some calibrations of sensors, without their documents."""
+
+    calibrations: list[CalibrationModel]
+
+    @classmethod
+    def of(cls, page: Page[Calibration]) -> Self:
+        last = page.rows[-1] if page.more else None
+        return cls(
+            calibrations=[CalibrationModel.of(row, None) for row in page.rows],
+            next=None if last is None else next_of(last.created_at, last.id),
+        )
+
+
+class RigCalibrationsPage(_PageModel):
+    """Some calibrations of rigs, without their documents."""
+
+    calibrations: list[RigCalibrationModel]
+
+    @classmethod
+    def of(cls, page: Page[RigCalibration]) -> Self:
+        last = page.rows[-1] if page.more else None
+        return cls(
+            calibrations=[RigCalibrationModel.of(row, None) for row in page.rows],
+            next=None if last is None else next_of(last.created_at, last.id),
+        )

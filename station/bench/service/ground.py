@@ -1,0 +1,193 @@
+"""A station as it is after some months: calibrated, with measurements and trains to measure."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from sqlalchemy.orm import Session
+
+from station.bench.measure_train import exact_calibration
+from station.bench.service.filled_store import Traffic, fill
+from station.bench.service.trains_by import RATE_HZ, WheelsGoingBy, record_train, render_wheels
+from station.operations import DataLayout, utc_now
+from station.progress import Progress, silent
+from station.store import (
+    Activation,
+    Calibration,
+    CalibrationState,
+    JobKind,
+    JobState,
+    Pass,
+    PassState,
+    Recording,
+    Scope,
+    Store,
+    add_job,
+    add_key,
+    migrate,
+)
+
+SENSOR = "left"
+_NETWORK = "127.34"
+_CALIBRATION = "exact"
+
+
+@dataclass(frozen=True, slots=True)
+class Extent:
+    """How much there is.
+
+    Attributes
+    ----------
+    past
+        Trains that were measured long ago.
+    wheels
+        Of each train that waits to be measured.
+    longest_pass_s
+        What the disk must have space for.
+    """
+
+    past: Traffic
+    wheels: int
+    longest_pass_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """What a station is started on.
+
+    Attributes
+    ----------
+    settings
+        Its settings file, but where its data and its port are.
+    source
+        What its camera sees.
+    key
+        Opens all calls.
+    past_pass
+        One that was measured long ago.
+    """
+
+    PAST_JOB: ClassVar = "job-past"
+    WAITING_JOB: ClassVar = "job-waiting-000"
+
+    folder: Path
+    settings: str
+    source: WheelsGoingBy
+    address: str
+    key: str
+    past_pass: str
+    train: Path
+    train_frames: int
+
+    @classmethod
+    def prepared(cls, folder: Path, extent: Extent, progress: Progress = silent) -> "Ground":
+        """Make it all in an empty folder."""
+        progress(0.0, "rendering wheels")
+        pictures = folder / "wheels.npy"
+        source = render_wheels(pictures)
+        address = f"{_NETWORK}.{os.getpid() % 250 + 2}.1"
+        layout = DataLayout(folder / "data")
+        layout.ensure()
+        migrate(layout.store_url)
+        store = Store.open(layout.store_url)
+        progress(0.3, "filling the store")
+        fill(store, extent.past, silent)
+        progress(0.6, "recording a train")
+        path = layout.pass_recording("waiting", SENSOR)
+        frames = record_train(layout.root / path, pictures, sensor=SENSOR, wheels=extent.wheels)
+        with store.change() as session:
+            key = add_key(session, "bench", [Scope.OPERATE], at=utc_now())
+            _calibrate(session)
+            past = add_job(session, cls.PAST_JOB, JobKind.MEASURE, "p000000", at=utc_now())
+            past.state = JobState.DONE
+        store.close()
+        settings = _settings_toml(address, extent)
+        return cls(folder, settings, source, address, key, "p000000", path, frames)
+
+    def let_trains_wait(self, count: int) -> None:
+        """Put trains into the store that were recorded and wait for their turn."""
+        store = Store.open(DataLayout(self.folder / "data").store_url)
+        with store.change() as session:
+            for number in range(count):
+                _add_waiting(session, f"waiting-{number:03}", self.train, self.train_frames)
+        store.close()
+
+
+def _settings_toml(address: str, extent: Extent) -> str:
+    mounting = exact_calibration(SENSOR).mounting
+    lines = [
+        'name = "bench"',
+        "[storage]",
+        "keep_free_gb = 0.2",
+        f"longest_pass_s = {extent.longest_pass_s:g}",
+        "[[sensors]]",
+        f'id = "{SENSOR}"',
+        f'address = "{address}"',
+        'trigger = "free"',
+        f"frame_rate_hz = {RATE_HZ}",
+    ]
+    if mounting is not None:
+        lines += [
+            "[sensors.mounting]",
+            f"rotation_vector = {list(mounting.rotation_vector)}",
+            f"translation_mm = {list(mounting.translation_mm)}",
+        ]
+    return "\n".join([*lines, ""])
+
+
+def _calibrate(session: Session) -> None:
+    now = utc_now()
+    session.add(
+        Calibration(
+            id=_CALIBRATION,
+            state=CalibrationState.READY,
+            sensor=SENSOR,
+            target="dots:7x8:12",
+            method="joint",
+            recording_ids={"recordings": [], "laser_off": []},
+            created_at=now,
+            job_id="-",
+            document=exact_calibration(SENSOR).model_dump_json(),
+            passed=True,
+        )
+    )
+    session.flush()
+    session.add(
+        Activation(
+            sensor=SENSOR,
+            version=1,
+            calibration_id=_CALIBRATION,
+            activated_at=now,
+            activated_by="bench",
+        )
+    )
+
+
+def _add_waiting(session: Session, name: str, path: Path, frames: int) -> None:
+    """Add a pass that was recorded and waits for its turn; all share one file."""
+    now, job_id = utc_now(), f"job-{name}"
+    session.add(
+        Pass(id=name, state=PassState.MEASURING, opened_at=now, finished_at=now, job_id=job_id)
+    )
+    session.flush()
+    session.add(
+        Recording(
+            id=f"pass.{name}.{SENSOR}",
+            sensor=SENSOR,
+            pass_id=name,
+            path=str(path),
+            opened_at=now,
+            closed_at=now,
+            calibration_id=_CALIBRATION,
+            recorded=frames,
+            lost=0,
+            repeated=0,
+            refused=0,
+            complete=True,
+            recovered=False,
+            files=1,
+            summary="recorded before",
+        )
+    )
+    add_job(session, job_id, JobKind.MEASURE, name, at=now)

@@ -1,0 +1,208 @@
+"""Shows that every list comes newest first, page by page, whole and once each, as filtered; what a
+page may not be asked for is refused."""
+
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from station.store import (
+    AxleWheel,
+    Calibration,
+    CalibrationSession,
+    CalibrationState,
+    Job,
+    JobState,
+    Pass,
+    PassState,
+    Recording,
+    RigCalibration,
+    SessionState,
+)
+
+NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
+ROWS = 7
+SENSORS = ("left", "right")
+
+
+@pytest.fixture
+def filled(served):
+    """Seven of each kind; the last three of one moment, told apart by their ids."""
+    with served.store.change() as session:
+        for number in range(ROWS):
+            at = NOON + timedelta(minutes=min(number, 4))
+            session.add(
+                Pass(id=f"p{number}", state=PassState.DONE, train=f"t{number % 2}", opened_at=at)
+            )
+            session.add(
+                CalibrationSession(
+                    id=f"s{number}",
+                    state=SessionState.RECORDED,
+                    sensor=SENSORS[number % 2],
+                    target="dots:7x8:12",
+                    pictures=3,
+                    opened_at=at,
+                )
+            )
+            session.add(
+                Job(
+                    id=f"j{number}",
+                    kind="measure",
+                    subject=f"p{number}",
+                    state=JobState.DONE if number % 2 else JobState.FAILED,
+                    progress=1.0,
+                    doing="done",
+                    created_at=at,
+                )
+            )
+            session.add(
+                Calibration(
+                    id=f"c{number}",
+                    state=CalibrationState.READY,
+                    sensor=SENSORS[number % 2],
+                    target="dots:7x8:12",
+                    method="joint",
+                    recording_ids={"recordings": [], "laser_off": []},
+                    created_at=at,
+                    job_id="j",
+                    document="{}",
+                )
+            )
+            session.add(
+                RigCalibration(
+                    id=f"g{number}",
+                    state=CalibrationState.READY,
+                    rig=("wheel", "other")[number % 2],
+                    created_at=at,
+                )
+            )
+        session.flush()
+        for number in range(ROWS):
+            at = NOON + timedelta(minutes=min(number, 4))
+            of = {"pass_id": f"p{number}"} if number < 4 else {"session_id": f"s{number}"}
+            session.add(
+                Recording(
+                    id=f"r{number}",
+                    sensor=SENSORS[number % 2],
+                    path="x",
+                    opened_at=at,
+                    recovered=False,
+                    **of,
+                )
+            )
+        session.flush()
+        for number in (1, 4):
+            session.add(
+                AxleWheel(
+                    pass_id=f"p{number}",
+                    place=1,
+                    side="left",
+                    placing="certain",
+                    others={"measurements": []},
+                    wheelset="ws-1",
+                    jumps={},
+                )
+            )
+
+
+def names(call, path, key, **query):
+    """Return the ids of a list, taken two by two."""
+    found, before = [], None
+    while True:
+        asked = query | {"limit": 2} | ({} if before is None else {"before": before})
+        page = call.get(path, params=asked).raise_for_status().json()
+        assert set(page) == {key, "next"}
+        assert len(page[key]) <= 2
+        found += [each["id"] for each in page[key]]
+        before = page["next"]
+        if before is None:
+            return found
+
+
+def at(minutes):
+    return (NOON + timedelta(minutes=minutes)).isoformat()
+
+
+@pytest.mark.parametrize(
+    ("path", "key", "letter"),
+    [
+        ("/v1/passes", "passes", "p"),
+        ("/v1/jobs", "jobs", "j"),
+        ("/v1/recordings", "recordings", "r"),
+        ("/v1/calibrations", "calibrations", "c"),
+        ("/v1/rig-calibrations", "calibrations", "g"),
+        ("/v1/calibration-sessions", "sessions", "s"),
+    ],
+)
+@pytest.mark.usefixtures("filled")
+def test_a_list_is_whole_and_newest_first_whatever_its_pages(call, path, key, letter):
+    assert names(call, path, key) == [f"{letter}{number}" for number in reversed(range(ROWS))]
+
+
+@pytest.mark.parametrize(
+    ("path", "key", "query", "expected"),
+    [
+        ("/v1/passes", "passes", {"train": "t1"}, "p5 p3 p1"),
+        ("/v1/passes", "passes", {"state": "failed"}, ""),
+        ("/v1/passes", "passes", {"wheelset": "ws-1"}, "p4 p1"),
+        ("/v1/passes", "passes", {"from": at(1), "to": at(3)}, "p2 p1"),
+        ("/v1/jobs", "jobs", {"state": "failed"}, "j6 j4 j2 j0"),
+        ("/v1/jobs", "jobs", {"kind": "compact"}, ""),
+        ("/v1/jobs", "jobs", {"subject": "p3"}, "j3"),
+        ("/v1/recordings", "recordings", {"sensor": "right"}, "r5 r3 r1"),
+        ("/v1/recordings", "recordings", {"pass": "p2"}, "r2"),
+        ("/v1/recordings", "recordings", {"session": "s5"}, "r5"),
+        ("/v1/recordings", "recordings", {"from": at(4)}, "r6 r5 r4"),
+        ("/v1/recordings", "recordings", {"to": at(1)}, "r0"),
+        ("/v1/calibrations", "calibrations", {"sensor": "left"}, "c6 c4 c2 c0"),
+        ("/v1/rig-calibrations", "calibrations", {"rig": "other"}, "g5 g3 g1"),
+        ("/v1/calibration-sessions", "sessions", {"sensor": "right"}, "s5"),
+    ],
+)
+@pytest.mark.usefixtures("filled")
+def test_a_filter_leaves_what_it_names(call, path, key, query, expected):
+    assert names(call, path, key, **query) == expected.split()
+
+
+@pytest.mark.usefixtures("filled")
+def test_rows_of_lists_are_those_that_are_fetched_by_themselves(call):
+    for path, key, name in (
+        ("/v1/passes", "passes", "p1"),
+        ("/v1/jobs", "jobs", "j1"),
+        ("/v1/calibration-sessions", "sessions", "s5"),
+    ):
+        rows = call.get(path).json()[key]
+        (row,) = [each for each in rows if each["id"] == name]
+        assert row == call.get(f"{path}/{name}").raise_for_status().json()
+
+
+@pytest.mark.usefixtures("filled")
+def test_what_comes_while_a_list_is_read_moves_no_row_of_it(served, call):
+    page = call.get("/v1/passes", params={"limit": 3}).json()
+    with served.store.change() as session:
+        late = NOON + timedelta(hours=1)
+        session.add(Pass(id="late", state=PassState.DONE, opened_at=late))
+    rest = names(call, "/v1/passes", "passes", before=page["next"])
+    assert [each["id"] for each in page["passes"]] + rest == [
+        f"p{number}" for number in reversed(range(ROWS))
+    ]
+
+
+@pytest.mark.parametrize(
+    ("query", "says"),
+    [
+        ({"before": "yesterday"}, "`next` of a page"),
+        ({"before": "2026-07-01T12:00:00 p1"}, "`next` of a page"),
+        ({"before": "0001-01-01T00:00:00+14:00 p1"}, "`next` of a page"),
+        ({"before": "2026-07-01T12:00:00+00:00 ../p1"}, "`next` of a page"),
+        ({"from": "2026-07-01T12:00:00"}, "timezone"),
+        ({"from": "1782907200"}, "no moment"),
+        ({"from": "0001-01-01T00:00:00+14:00"}, "the year 1"),
+        ({"from": at(3), "to": at(1)}, "comes later"),
+        ({"limit": "0"}, "limit"),
+        ({"limit": "1001"}, "limit"),
+    ],
+)
+def test_what_no_page_can_be_found_by_is_refused(call, query, says):
+    reply = call.get("/v1/passes", params=query)
+    assert reply.status_code == 422
+    assert says in reply.json()["detail"]

@@ -1,0 +1,90 @@
+"""What must be true of a station at every moment, whatever was asked of it."""
+
+from station.recording import active_path
+from station.store import JOB, PASS, SESSION, CalibrationSession, Job, Pass, Recording
+from trackside import frames_in
+
+_TABLES = ((Pass, PASS), (CalibrationSession, SESSION), (Job, JOB))
+
+
+def ensure_files_and_rows_agree(served):
+    """Every file is a row's and every row's frames are in its file; what was begun is there.
+
+    The account of a recording that was closed while its sensor recorded on, unheard, is not held
+    against its file.
+    """
+    unheard = set().union(*(capture.unheard for capture in served.captures.values()))
+    root = served.layout.root
+    with served.store.look() as session:
+        rows = {root / row.path: row for row in session.query(Recording)}
+    files = {
+        file.with_name(file.name.removesuffix(".active")): file
+        for file in (root / "recordings").rglob("*.mcap*")
+    }
+    assert set(files) <= set(rows), "a file that no row names"
+    for capture in served.captures.values():
+        assert set(capture.began) <= set(files), "a recording whose file is lost"
+        assert len(capture.began) == len(set(capture.began)), "a recording that was made twice"
+    for path, row in rows.items():
+        if row.closed_at is not None and path not in unheard:
+            there = frames_in(files[path]) if path in files else 0
+            assert row.recorded == there, (row.id, row.recorded, there)
+            assert not active_path(path).exists(), f"{row.id} is closed and still written"
+
+
+def ensure_one_at_a_time(served):
+    """No sensor has two recordings that run, and no recording runs that no row has open."""
+    with served.store.look() as session:
+        running = [row for row in session.query(Recording) if row.closed_at is None]
+        passes = [row for row in session.query(Pass) if row.state in PASS_IN_PROGRESS]
+    assert len(passes) <= 1
+    sensors = [row.sensor for row in running]
+    assert len(sensors) == len(set(sensors)), "two recordings of a sensor run"
+
+
+PASS_IN_PROGRESS = ("armed", "recording")
+
+
+class History:
+    """The states that everything went through; each must lead to the next by the tables."""
+
+    def __init__(self):
+        self._seen = {}
+        self._ended = {}
+        self._held = {}
+
+    def note(self, served):
+        """Hold what is there now against what was there before."""
+        with served.store.look() as session:
+            for table, transitions in _TABLES:
+                for row in session.query(table):
+                    self._note_state(transitions, row)
+            for row in session.query(Recording):
+                self._note_account(row)
+
+    def _note_state(self, transitions, row):
+        key = (transitions.kind, row.id)
+        before = self._seen.get(key, row.state)
+        assert row.state in reachable(transitions, before), (key, before, row.state)
+        self._seen[key] = row.state
+
+    def _note_account(self, row):
+        """What was once accounted for stays as it was; a count may be told later, once."""
+        if row.closed_at is None:
+            assert row.id not in self._ended, f"{row.id} was closed and runs again"
+            return
+        account = (row.closed_at, row.recorded, row.recovered, row.files)
+        assert self._ended.setdefault(row.id, account) == account, row.id
+        if row.expected is not None:
+            held = (row.expected, row.lost)
+            assert self._held.setdefault(row.id, held) == held, row.id
+
+
+def reachable(transitions, state):
+    """Every state that a state can lead to, itself among them."""
+    found, todo = {state}, [state]
+    while todo:
+        new = transitions.allowed[todo.pop()] - found
+        found |= new
+        todo += new
+    return found
