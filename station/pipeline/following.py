@@ -157,6 +157,20 @@ class WheelFollower:
         self._measured = measured
         return list(measured.values())
 
+    def end(self, ends: Mapping[str, FilePlace]) -> Iterator[WheelDocument]:
+        """Take it that no frame follows; yield the wheels that are over by that.
+
+        Parameters
+        ----------
+        ends
+            The places behind the last frames.
+        """
+        for sensor in self._looker.sensors:
+            for shot in self._joiner.add(sensor, None):
+                yield from self._sort(shot)
+        yield from self.open_wheels()
+        self.resumption = Resumption(ends)
+
     def _sort(self, shot: Shot) -> Iterator[WheelDocument]:
         group = self._sorter.add(shot)
         if group is not None:

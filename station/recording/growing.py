@@ -55,6 +55,13 @@ class GrowingRecording:
                 break
         return found
 
+    @property
+    def end(self) -> FilePlace | None:
+        """The place behind the last frame; None as long as its writer has not ended it."""
+        if self._file is None or not self._file.exhausted or self._open_next():
+            return None
+        return self._next
+
     def close(self) -> None:
         """Close the file that is open; safe to call twice."""
         if self._file is not None:

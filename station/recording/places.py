@@ -4,18 +4,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mcap.records import ChunkIndex
-
 from station.errors import InputUnusable
 from station.recording.layout import MAGIC
-from station.recording.opening import Recording, open_recording
+from station.recording.opening import open_recording
 from station.recording.parts import parts_of
 from station.recording.topics import Topic, channels_of
 
 
 @dataclass(frozen=True, slots=True)
 class FilePlace:
-    """Before one of the frames of a recording.
+    """Before one of the frames of a recording, or behind the last one.
 
     Raises
     ------
@@ -24,11 +22,11 @@ class FilePlace:
     """
 
     part: int = 1
-    """The file that the frame is in, from 1."""
+    """The file, from 1."""
     offset_bytes: int = len(MAGIC)
-    """Where its chunk begins in that file."""
+    """Where in it the chunk of the frame begins; or a byte behind the beginning of the last one."""
     frames: int = 0
-    """Frames of the recording before it, in all its files."""
+    """Frames of the recording before the place, in all its files."""
 
     def __post_init__(self) -> None:
         if not (self.part >= 1 and self.offset_bytes >= 0 and self.frames >= 0):
@@ -39,9 +37,9 @@ BEGINNING = FilePlace()
 
 
 def has_place(path: Path, place: FilePlace) -> bool:
-    """Tell whether a finished recording has a frame at a place, and as many before it.
+    """Tell whether a finished recording has as many frames before a place as the place says.
 
-    It has not where what a crash left was cut or mended before the place.
+    It has not where what a crash left was cut or mended before it.
 
     Raises
     ------
@@ -49,24 +47,11 @@ def has_place(path: Path, place: FilePlace) -> bool:
         If the recording cannot be read.
     """
     parts = parts_of(path)
-    if place == BEGINNING:
-        return True
     if place.part > len(parts):
         return False
-    before = sum(_count(part) for part in parts[: place.part - 1])
-    with open_recording(parts[place.part - 1]) as recording:
-        offsets = [chunk.chunk_start_offset for chunk in chunks_with_frames(recording)]
-    if place.offset_bytes not in offsets:
-        return False
-    return before + offsets.index(place.offset_bytes) == place.frames
-
-
-def chunks_with_frames(recording: Recording) -> Sequence[ChunkIndex]:
-    """Return the chunks that hold a frame, in file order."""
-    channels = channels_of(recording.channels.values(), Topic.IMAGE).keys()
-    return [
-        chunk for chunk in recording.chunks if not channels.isdisjoint(chunk.message_index_offsets)
-    ]
+    before = sum(len(_offsets(part)) for part in parts[: place.part - 1])
+    own = [offset for offset in _offsets(parts[place.part - 1]) if offset < place.offset_bytes]
+    return before + len(own) == place.frames
 
 
 def parts_from(parts: Sequence[Path], place: FilePlace) -> list[tuple[Path, int]]:
@@ -83,6 +68,12 @@ def parts_from(parts: Sequence[Path], place: FilePlace) -> list[tuple[Path, int]
     return [(first, place.offset_bytes), *((part, 0) for part in later)]
 
 
-def _count(part: Path) -> int:
+def _offsets(part: Path) -> list[int]:
+    """Return where the chunks of a file begin that hold a frame; our writer puts one into each."""
     with open_recording(part) as recording:
-        return len(chunks_with_frames(recording))
+        channels = channels_of(recording.channels.values(), Topic.IMAGE).keys()
+        return [
+            chunk.chunk_start_offset
+            for chunk in recording.chunks
+            if not channels.isdisjoint(chunk.message_index_offsets)
+        ]

@@ -18,12 +18,18 @@ QUIET_S = 0.2
 """With no frame for so long a wheel is taken to be over: five times what parts two wheels, and more
 than a frame takes from the camera to the disk."""
 _FRAMES_A_TURN = 4
+_FEW_TURNS = 8
+"""To complete a pass in: where more is left, the job has all cores for it."""
 _MOST_WAITING = 512
 """Frames of one sensor that wait for the other's; a stripe is some 100 kB."""
 
 
+_STILL_OURS = frozenset({PassState.RECORDING, PassState.RECORDED, PassState.MEASURING})
+"""The job that measures has the pass let go of before it begins, and nothing is kept after that."""
+
+
 class PassOver(StationError):
-    """The pass is recorded no more; what is left of it is for the job that measures it."""
+    """The pass has ended otherwise, and nothing more is to be kept of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +77,7 @@ class FollowedRecordings:
         Raises
         ------
         PassOver
-            If the pass is recorded no more.
+            If nothing more is to be kept of the pass.
         StationError
             If the recordings cannot be followed.
         """
@@ -92,6 +98,24 @@ class FollowedRecordings:
             self._last_s = None
             self._keep([], self._follower.open_wheels())
         return taken > 0
+
+    def complete(self) -> None:
+        """Take what is left of recordings that have ended, where it is little; then it is all kept.
+
+        Raises
+        ------
+        PassOver
+            If nothing more is to be kept of the pass.
+        StationError
+            If the recordings cannot be followed.
+        """
+        for _ in range(_FEW_TURNS):
+            if not self.turn():
+                break
+        ends = {sensor: growing.end for sensor, growing in self._growing.items()}
+        places = {sensor: place for sensor, place in ends.items() if place is not None}
+        if len(places) == len(ends):
+            self._keep(list(self._follower.end(places)), [])
 
     def close(self) -> None:
         """Close the files."""
@@ -120,8 +144,9 @@ class FollowedRecordings:
         together = self._together
         certain, uncertain = self._rows(over), self._rows(early)
         with self._context.store.change() as session:
-            if the(session, Pass, together.pass_id).state is not PassState.RECORDING:
-                raise PassOver(f"pass {together.pass_id} is recorded no more")
+            state = the(session, Pass, together.pass_id).state
+            if state not in _STILL_OURS:
+                raise PassOver(f"pass {together.pass_id} is {state}")
             ids = [each.id for each in together.recordings.values()]
             withdrawn = keep_followed(session, ids, certain, uncertain)
             notes = to_note(together.means, together.recordings, self._follower.resumption)

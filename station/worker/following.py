@@ -14,7 +14,7 @@ import structlog
 from station.errors import StationError
 from station.store import PassState, passes_held
 from station.worker.context import WorkContext
-from station.worker.followed import FollowedRecordings, PassOver
+from station.worker.followed import FollowedRecordings
 from station.worker.gathering import gathered
 
 _LOOK_S = 0.2
@@ -54,7 +54,7 @@ class PassFollower:
     def let_go(self, pass_id: str) -> None:
         """Follow a pass no longer; its readings are only the caller's then."""
         with self._busy:
-            self._drop(pass_id)
+            self._complete(pass_id)
 
     def _run(self) -> None:
         # Of this thread alone: on Linux each has a niceness of its own.
@@ -82,7 +82,7 @@ class PassFollower:
         with self._context.store.look() as session:
             recorded = {row.id for row in passes_held(session) if row.state is PassState.RECORDING}
         for pass_id in self._followed.keys() - recorded:
-            self._drop(pass_id)
+            self._complete(pass_id)
         for pass_id in recorded - self._followed.keys():
             self._followed[pass_id] = self._begin(pass_id)
 
@@ -95,17 +95,22 @@ class PassFollower:
             return []
 
     def _turn_of(self, pass_id: str, each: FollowedRecordings) -> bool:
-        if each not in self._followed.get(pass_id, []):
-            return False  # another looker of the pass found it over
         try:
             return each.turn()
-        except PassOver:
-            self._drop(pass_id)
         except Exception as error:  # noqa: BLE001  as above; another looker goes on
             self._give_up(pass_id, error)
             each.close()
             self._followed[pass_id].remove(each)
         return False
+
+    def _complete(self, pass_id: str) -> None:
+        """Keep the last wheels of a pass that is recorded no more, where they are soon measured."""
+        for each in self._followed.get(pass_id, []):
+            try:
+                each.complete()
+            except Exception as error:  # noqa: BLE001  as above
+                self._give_up(pass_id, error)
+        self._drop(pass_id)
 
     def _give_up(self, pass_id: str, error: Exception) -> None:
         expected = isinstance(error, StationError)

@@ -50,10 +50,7 @@ class PostgresServer:
             "--no-sync",
         ]
         self._run(*make, "-E", "UTF8", "--locale=C.UTF-8")
-        options = f"-k {self.root} -c listen_addresses='' -c fsync=off -c max_connections=200"
-        self._run(
-            self._control, "-D", self._data, "-o", options, "-l", self.root / "log", "-w", "start"
-        )
+        self.start()
 
     @property
     def _data(self):
@@ -61,6 +58,17 @@ class PostgresServer:
 
     def _run(self, *command):
         subprocess.run(command, check=True, capture_output=True, cwd=self.root, **self._as_user)
+
+    def start(self):
+        """Start the server; after a crash it recovers first."""
+        options = f"-k {self.root} -c listen_addresses='' -c fsync=off -c max_connections=200"
+        self._run(
+            self._control, "-D", self._data, "-o", options, "-l", self.root / "log", "-w", "start"
+        )
+
+    def crash(self):
+        """End the server at once, its connections with it."""
+        self._run(self._control, "-D", self._data, "-m", "immediate", "stop")
 
     def empty_database(self):
         """The URL of the database, emptied: making one anew takes longer than most tests."""
@@ -72,5 +80,5 @@ class PostgresServer:
         return f"postgresql://treadline@/postgres?host={self.root}"
 
     def stop(self):
-        self._run(self._control, "-D", self._data, "-m", "immediate", "stop")
+        self.crash()
         shutil.rmtree(self.root)

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from station.bench.measure_train import exact_calibration
 from station.bench.service.filled_store import Traffic, fill
 from station.bench.service.trains_by import RATE_HZ, WheelsGoingBy, record_train, render_wheels
+from station.bench.service.trains_waiting import RecordedTrain, TrainsWaiting
 from station.operations import DataLayout, utc_now
 from station.progress import Progress, silent
 from station.store import (
@@ -18,9 +19,6 @@ from station.store import (
     CalibrationState,
     JobKind,
     JobState,
-    Pass,
-    PassState,
-    Recording,
     Scope,
     Store,
     add_job,
@@ -69,7 +67,6 @@ class Ground:
     """
 
     PAST_JOB: ClassVar = "job-past"
-    WAITING_JOB: ClassVar = "job-waiting-000"
 
     folder: Path
     settings: str
@@ -77,8 +74,7 @@ class Ground:
     address: str
     key: str
     past_pass: str
-    train: Path
-    train_frames: int
+    train: RecordedTrain
 
     @classmethod
     def prepared(cls, folder: Path, extent: Extent, progress: Progress = silent) -> "Ground":
@@ -96,6 +92,7 @@ class Ground:
         progress(0.6, "recording a train")
         path = layout.pass_recording("waiting", SENSOR)
         frames = record_train(layout.root / path, pictures, sensor=SENSOR, wheels=extent.wheels)
+        train = RecordedTrain(path, frames, SENSOR, _CALIBRATION)
         with store.change() as session:
             key = add_key(session, "bench", [Scope.OPERATE], at=utc_now())
             _calibrate(session)
@@ -103,15 +100,11 @@ class Ground:
             past.state = JobState.DONE
         store.close()
         settings = _settings_toml(address, extent)
-        return cls(folder, settings, source, address, key, "p000000", path, frames)
+        return cls(folder, settings, source, address, key, "p000000", train)
 
-    def let_trains_wait(self, count: int) -> None:
-        """Put trains into the store that were recorded and wait for their turn."""
-        store = Store.open(DataLayout(self.folder / "data").store_url)
-        with store.change() as session:
-            for number in range(count):
-                _add_waiting(session, f"waiting-{number:03}", self.train, self.train_frames)
-        store.close()
+    def trains_waiting(self) -> TrainsWaiting:
+        """Return what has the station measure trains of the past."""
+        return TrainsWaiting(DataLayout(self.folder / "data"), self.train)
 
 
 def _settings_toml(address: str, extent: Extent) -> str:
@@ -162,32 +155,3 @@ def _calibrate(session: Session) -> None:
             activated_by="bench",
         )
     )
-
-
-def _add_waiting(session: Session, name: str, path: Path, frames: int) -> None:
-    """Add a pass that was recorded and waits for its turn; all share one file."""
-    now, job_id = utc_now(), f"job-{name}"
-    session.add(
-        Pass(id=name, state=PassState.MEASURING, opened_at=now, finished_at=now, job_id=job_id)
-    )
-    session.flush()
-    session.add(
-        Recording(
-            id=f"pass.{name}.{SENSOR}",
-            sensor=SENSOR,
-            pass_id=name,
-            path=str(path),
-            opened_at=now,
-            closed_at=now,
-            calibration_id=_CALIBRATION,
-            recorded=frames,
-            lost=0,
-            repeated=0,
-            refused=0,
-            complete=True,
-            recovered=False,
-            files=1,
-            summary="recorded before",
-        )
-    )
-    add_job(session, job_id, JobKind.MEASURE, name, at=now)

@@ -102,11 +102,11 @@ def run_kills(
 
 
 @contextmanager
-def stage_in(folder: Path) -> Generator[Stage]:
+def stage_in(folder: Path, store_url: str | None = None) -> Generator[Stage]:
     """Run a station that has a calibration in force, before a camera that sees wheels."""
     pictures = KeptPictures.keep(render_wheels(_PICTURES), folder / "pictures.npy")
     address = f"{_NETWORK}.{folder.stat().st_ino % 250 + 2}.{time.time_ns() % 250 + 2}"
-    station = StationProcess(folder, _settings(address), SENSOR)
+    station = StationProcess(folder, _settings(address), SENSOR, store_url=store_url)
     bring_calibration_into_force(station.layout)
     store = Store.open(station.layout.store_url)
     with SimulatedCameraProcess(address, pictures, serial=SENSOR) as camera:
@@ -143,7 +143,7 @@ def _try(stage: Stage, victim: Victim, after_s: float, pass_id: str, train: Trai
         time.sleep(_BEFORE_S)
         taken = beside.submit(controller.take_pass, pass_id, axles=train.wheels, gone=gone)
         time.sleep(_WARNING_S)
-        _roll_by(stage.camera, train.wheels)
+        roll_by(stage.camera, train.wheels)
         gone.set()
         ready_s, answer = killed.result(), taken.result()
     truth = truth_of_pass(stage.store, stage.station.layout, pass_id, train.wheels)
@@ -176,7 +176,7 @@ def _kill_after(station: StationProcess, victim: Victim, after_s: float) -> floa
     return time.monotonic() - killed_s
 
 
-def _roll_by(camera: SimulatedCameraProcess, wheels: int) -> None:
+def roll_by(camera: SimulatedCameraProcess, wheels: int) -> None:
     began_s = time.monotonic()
     for wheel in range(wheels):
         time.sleep(max(0.0, began_s + wheel * _WHEEL_S - time.monotonic()))
@@ -188,7 +188,7 @@ def _next_is_whole(stage: Stage, pass_id: str, wheels: int = 2) -> bool:
     gone = Event()
     with stage.station.client() as client, ThreadPoolExecutor(1) as beside:
         client.arm_pass(pass_id)
-        _roll_by(stage.camera, wheels)
+        roll_by(stage.camera, wheels)
         gone.set()
         controller = BlindController(client, SENSOR, PATIENCE_S)
         answer = beside.submit(controller.take_pass, pass_id, axles=wheels, gone=gone).result()

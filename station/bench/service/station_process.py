@@ -44,10 +44,14 @@ class StationProcess:
         The settings file but `data_dir` and `port`.
     sensor
         Its one sensor.
+    store_url
+        Its database, where that is no file in the folder.
     """
 
-    def __init__(self, folder: Path, settings: str, sensor: str) -> None:
-        self.layout = DataLayout(folder / "data")
+    def __init__(
+        self, folder: Path, settings: str, sensor: str, *, store_url: str | None = None
+    ) -> None:
+        self.layout = DataLayout(folder / "data", store_url)
         self.key = secrets.token_urlsafe(32)
         self._port = _free_port()
         self._folder = folder
@@ -56,6 +60,7 @@ class StationProcess:
         self._config = folder / "station.toml"
         # A station that is started again is found where it was.
         head = f'data_dir = "{self.layout.root}"\nport = {self._port}\n'
+        head += "" if store_url is None else f'store_url = "{store_url}"\n'
         self._config.write_text(head + settings, encoding="utf-8")
         self._process: subprocess.Popen[bytes] | None = None
 
@@ -63,6 +68,11 @@ class StationProcess:
     def port(self) -> int:
         """Where its API listens."""
         return self._port
+
+    @property
+    def url(self) -> str:
+        """Where its API is, also after it was started again."""
+        return f"http://127.0.0.1:{self._port}"
 
     @property
     def pid(self) -> int:
@@ -107,7 +117,7 @@ class StationProcess:
     @contextmanager
     def client(self) -> Generator[StationClient]:
         """Open a connection to the station's API."""
-        with StationClient.connect(f"http://127.0.0.1:{self._port}", self.key) as client:
+        with StationClient.connect(self.url, self.key) as client:
             yield client
 
     def wait_until_ready(self) -> None:

@@ -11,6 +11,7 @@ from test_api_passes import put_calibration_in_force
 
 from station.errors import StoreUnusable
 from station.operations import Lifetimes, Passes, Sessions
+from station.operations.strays import close_strays
 from station.store import (
     Actor,
     CalibrationSession,
@@ -259,6 +260,7 @@ def test_a_finish_that_was_cut_off_is_gone_on_with_by_its_own_count(served, call
     with pytest.raises(StoreUnusable):
         Passes(station).finish("p1", axles=6, triggers={"right": 5}, by=Actor("plc"))
     assert call.get("/v1/passes/p1").json()["state"] == "recording"
+    assert not watch.passes.end_overdue("p1", "a time-out that was found before the finish came")
     served.saved.update(left=4, right=4)
     watch.after(1.0)
     body = call.get("/v1/passes/p1").json()
@@ -335,6 +337,15 @@ def test_what_is_recorded_for_a_pass_that_the_store_does_not_know_is_closed_and_
         "stray.lost.right",
     }
     assert {each["recorded"] for each in listed} == {4}
+
+
+def test_a_sensor_that_was_armed_for_the_next_pass_meanwhile_is_no_stray(served, call):
+    open_pass(served, call)
+    seen = {name: capture.status() for name, capture in served.captures.items()}
+    finish(call, {"axles": 4})
+    open_pass(served, call, "p2")
+    assert close_strays(served.station, seen) == []
+    assert all(capture.plan is not None for capture in served.captures.values())
 
 
 SESSION = "/v1/calibration-sessions/s1"

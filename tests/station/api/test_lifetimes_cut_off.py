@@ -1,5 +1,5 @@
-"""Shows that a pass ends, and nothing it recorded is lost, wherever the API process dies on its way:
-after each of the deeds that outlast it, in turn.  The sensors are doubles that keep true files."""
+"""Shows that a pass ends, and nothing it recorded is lost, wherever the API process dies: after
+each of the deeds that outlast it, in turn.  The sensors are doubles that keep true files."""
 
 from contextlib import suppress
 from itertools import count
@@ -33,10 +33,11 @@ class Ground(Trackside):
         passes, sessions = Passes(self.station), Sessions(self.station)
         passes.take_up()
         sessions.take_up()
-        now_s = 0.0
-        lifetimes = Lifetimes(self.station, passes, sessions, lambda: now_s)
-        for now_s in (0.0, 1.0, 3600.0, 3601.0):
+        times_s = [0.0, 1.0, 3600.0, 3601.0]
+        lifetimes = Lifetimes(self.station, passes, sessions, lambda: times_s[0])
+        while times_s:
             lifetimes.look()
+            times_s.pop(0)
 
     def train(self):
         for capture in self.captures.values():
