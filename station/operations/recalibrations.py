@@ -216,8 +216,7 @@ def bring_into_force(
     )
     row.activated_version = activation.version
     wanted = settings.recalibration.policy.measure_again and row.outcome == Outcome.DRIFTED
-    # The wheels of a rig are measured from all of its sensors, which this job does not do.
-    if present is None or not wanted or settings.rig_with(row.sensor) is not None:
+    if present is None or not wanted:
         return None
     since = last_good_check(session, present)
     if not recordings_under(session, row.sensor, present.calibration_id, since):

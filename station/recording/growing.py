@@ -57,7 +57,7 @@ class GrowingRecording:
 
     @property
     def end(self) -> FilePlace | None:
-        """The place behind the last frame; None as long as its writer has not ended it."""
+        """The place behind the last frame; None where `read` has not found all of it ended."""
         if self._file is None or not self._file.exhausted or self._open_next():
             return None
         return self._next

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
+from station.store.recalibrations import recordings_recalibrated
 from station.store.replays import recordings_replayed
 from station.store.states import CalibrationState, PassState
 from station.store.tables import (
@@ -51,7 +52,7 @@ def failed_recordings(session: Session) -> Sequence[Recording]:
     """Return the recordings of passes that failed and are still there, oldest first.
 
     None that a calibration in force, or one that is being solved, was made from, nor one that is
-    being replayed.
+    being replayed, or that a recalibration needs.
     """
     _, kept = _calibrated_from(session)
     found = session.scalars(
@@ -70,7 +71,7 @@ def disposable_recordings(session: Session) -> Sequence[Recording]:
 
     Measured ones, and those of calibration sessions that a calibration was solved from; but none
     that a calibration in force, or one that is being solved, was made from, nor one that is being
-    replayed.
+    replayed, or that a recalibration needs.
     """
     used, kept = _calibrated_from(session)
     of_sessions = session.scalars(
@@ -108,7 +109,7 @@ def _calibrated_from(session: Session) -> tuple[set[str], set[str]]:
             used.update(recordings)
         if state is CalibrationState.SOLVING or calibration_id in in_force:
             kept.update(recordings)
-    return used, kept | recordings_replayed(session)
+    return used, kept | recordings_replayed(session) | recordings_recalibrated(session)
 
 
 def _made_from(session: Session) -> Iterator[tuple[str, CalibrationState, list[str]]]:

@@ -9,8 +9,8 @@ from sqlalchemy.orm import Session
 from station.store.activations import active
 from station.store.paging import Cursor, Page, newest_page, page_of
 from station.store.recalibration_tables import KeptPieceCheck, Recalibration
-from station.store.states import RecalibrationState
-from station.store.tables import Activation, Calibration, Recording
+from station.store.states import JOB, RecalibrationState
+from station.store.tables import Activation, Calibration, Job, Recording
 
 RUNNING = (RecalibrationState.WAITING, RecalibrationState.RUNNING)
 
@@ -52,6 +52,35 @@ def recordings_taken(session: Session, sensor: str) -> set[str]:
         .where(Recalibration.outcome.is_not(None))
     )
     return {name for each in taken if each is not None for name in each["recordings"]}
+
+
+def recordings_recalibrated(session: Session) -> set[str]:
+    """Return what recalibrations need that have not ended, or that wait for a person.
+
+    Whoever is to answer looks at the pictures, and a calibration that is then brought into force
+    must have what it was made from.  A job that measures passes again needs what they recorded.
+    """
+    taken = session.scalars(
+        select(Recalibration.taken).where(
+            Recalibration.state.in_([*RUNNING, RecalibrationState.ASKING])
+        )
+    )
+    needed = {
+        name
+        for each in taken
+        if each is not None
+        for kind in ("named", "recordings", "piece")
+        for name in each.get(kind) or []
+    }
+    compared_with = session.scalars(
+        select(Recalibration.present_id)
+        .join(Job, Recalibration.measuring_job_id == Job.id)
+        .where(Job.state.in_(JOB.unfinished))
+    ).all()
+    # Whole passes: of a rig all sensors are measured together.
+    of_sensor = select(Recording.pass_id).where(Recording.calibration_id.in_(compared_with))
+    needed.update(session.scalars(select(Recording.id).where(Recording.pass_id.in_(of_sensor))))
+    return needed
 
 
 def first_piece_check(session: Session, calibration_id: str) -> KeptPieceCheck | None:

@@ -27,6 +27,7 @@ from station.store import (
 )
 from station.worker.context import WorkContext
 from station.worker.measuring import StepResult
+from station.worker.measuring_rig_again import measure_on_rig_again
 from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
 from station.worker.rows import measurement_row
 
@@ -72,12 +73,21 @@ def _measure(
         subject = the(session, Job, job_id).subject
         new = the(session, Calibration, the(session, Recalibration, subject).calibration_id or "")
         recording = the(session, Recording, recording_id)
+    progress = JobProgress(context, job_id, first=place / of, last=(place + 1) / of)
+    if recording.rig_calibration_id is None:
+        return _measure_alone(context, recording, new, progress)
+    return measure_on_rig_again(context, recording, new, progress)
+
+
+def _measure_alone(
+    context: WorkContext, recording: Recording, new: Calibration, progress: JobProgress
+) -> list[Measurement]:
     found = context.mathematics.measure(
         [context.layout.root / recording.path],
         CalibrationDocument.model_validate_json(new.document or ""),
         reference=context.settings.reference,
         limits=limits_of(context.settings.limits),
-        progress=JobProgress(context, job_id, first=place / of, last=(place + 1) / of),
+        progress=progress,
     )
     rows = [
         measurement_row(context, recording, wheel, place=at, found=found)

@@ -13,7 +13,7 @@ def ensure_files_and_rows_agree(served):
     The account of a recording that was closed while its sensor recorded on, unheard, is not held
     against its file.
     """
-    unheard = set().union(*(capture.unheard for capture in served.captures.values()))
+    unheard = _unheard(served)
     root = served.layout.root
     with served.store.look() as session:
         rows = {root / row.path: row for row in session.query(Recording)}
@@ -45,6 +45,10 @@ def ensure_one_at_a_time(served):
 PASS_IN_PROGRESS = ("armed", "recording")
 
 
+def _unheard(served):
+    return set().union(*(capture.unheard for capture in served.captures.values()))
+
+
 class History:
     """The states that everything went through; each must lead to the next by the tables."""
 
@@ -60,7 +64,8 @@ class History:
                 for row in session.query(table):
                     self._note_state(transitions, row)
             for row in session.query(Recording):
-                self._note_account(row)
+                if served.layout.root / row.path not in _unheard(served):
+                    self._note_account(row)
 
     def _note_state(self, transitions, row):
         key = (transitions.kind, row.id)
