@@ -15,6 +15,7 @@ from station.settings import WebSettings
 STREAMED: Final = frozenset({("POST", "/v1/recordings")})
 """Calls that read their body themselves, piece by piece, by `pieces_of`."""
 _DEEPEST: Final = 32
+_TWO_LENGTHS: Final = "the call has both Content-Length and Transfer-Encoding; send one, its body can be read two ways"
 KB: Final = 1000
 
 
@@ -31,6 +32,12 @@ class Bodies:
             await self._app(scope, receive, send)
             return
         headers = Headers(scope=scope)
+        if "Content-Length" in headers and "Transfer-Encoding" in headers:
+            answer = problem_answer(scope["path"], BodyRefused(_TWO_LENGTHS))
+            # Where one server ends the body, another reads the next call: nothing more is read.
+            answer.headers["Connection"] = "close"
+            await answer(scope, receive, send)
+            return
         try:
             async with asyncio.timeout(self._within_s):
                 pieces = pieces_of(headers, receive, self._most_bytes)
@@ -97,7 +104,7 @@ def replaying(body: bytes, receive: Receive) -> Receive:
 
 
 def ensure_fit(body: bytes) -> None:
-    """Refuse JSON that is not UTF-8, holds what JSON has no word for, or is nested too deeply.
+    """Refuse JSON that is not UTF-8, cannot be read in one way only, or is nested too deeply.
 
     Raises
     ------
@@ -107,7 +114,7 @@ def ensure_fit(body: bytes) -> None:
     if not body:
         return
     try:
-        value = json.loads(body.decode(), parse_constant=_no_such_number)
+        value = json.loads(body.decode(), parse_constant=_no_such_number, object_pairs_hook=_once)
     except UnicodeDecodeError as error:
         raise BodyRefused(f"the body is not UTF-8 (byte {error.start}); send it as UTF-8") from None
     except RecursionError:
@@ -123,6 +130,16 @@ def ensure_fit(body: bytes) -> None:
 
 def _too_deep() -> BodyRefused:
     return BodyRefused(f"the body is nested deeper than {_DEEPEST}; send it flatter")
+
+
+def _once(fields: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return an object whose every name is there once: of two, each reader takes another."""
+    found = dict(fields)
+    if len(found) < len(fields):
+        names = [name for name, _ in fields]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise BodyRefused(f"the body has {twice[:64]!r} twice in one object; give it once")
+    return found
 
 
 def _no_such_number(name: str) -> NoReturn:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from prometheus_client.core import Metric
 from prometheus_client.registry import Collector
+from pydantic import ValidationError
 from sqlalchemy.orm import Session
 
 from station.api.families import Values, by_sensor, gauges
@@ -93,14 +94,7 @@ class RecalibrationCollector(Collector):
 
     def _rms_of(self, row: Calibration | RigCalibration) -> dict[str, float]:
         if row.id not in self._rms:
-            kind = CalibrationDocument if isinstance(row, Calibration) else RigDocument
-            rms = kind.model_validate_json(row.document or "").rms
-            known = {name: getattr(rms, name, None) for name in _PIXELS}
-            self._rms[row.id] = {
-                name.removesuffix("_px"): value
-                for name, value in known.items()
-                if value is not None
-            }
+            self._rms[row.id] = _rms(row)
         return self._rms[row.id]
 
     def _watched(self, session: Session) -> Iterator[Metric]:
@@ -150,3 +144,14 @@ class RecalibrationCollector(Collector):
 def _figures_m(rows: dict[str, Recalibration], figure_mm: str) -> Values:
     found = ((sensor, (row.figures or {}).get(figure_mm)) for sensor, row in rows.items())
     return by_sensor((sensor, None if value is None else value / 1000.0) for sensor, value in found)
+
+
+def _rms(row: Calibration | RigCalibration) -> dict[str, float]:
+    """Return the residuals that a calibration tells, by what they are of."""
+    kind = CalibrationDocument if isinstance(row, Calibration) else RigDocument
+    try:
+        rms = kind.model_validate_json(row.document or "").rms
+    except ValidationError:
+        return {}  # of another version; the alarms beside it are told all the same
+    known = {name: getattr(rms, name, None) for name in _PIXELS}
+    return {name.removesuffix("_px"): value for name, value in known.items() if value is not None}

@@ -45,7 +45,7 @@ def restore_backup(layout: DataLayout, backup: Path, *, by: Actor, at: datetime)
     Raises
     ------
     StateConflict
-        If the station runs.
+        If the station runs, or processes of one that was killed are still ending.
     InputUnusable
         If it is no whole backup, or one of the other kind of database.
     StoreUnusable
@@ -57,7 +57,8 @@ def restore_backup(layout: DataLayout, backup: Path, *, by: Actor, at: datetime)
     file = file_of(layout.store_url)
     _ensure_kind(backup, file)
     layout.ensure()
-    with held(layout.station_lock, "a station"):
+    killed = held(layout.processes_lock, "a process of a killed station")
+    with held(layout.station_lock, "a station"), killed:
         aside = (layout.root if file is None else file.parent) / f"replaced-{at:%Y%m%dT%H%M%SZ}"
         if aside.exists():
             raise InputUnusable(f"{aside}: is there already; try again in a second")

@@ -23,7 +23,7 @@ from station.bench.rig_calibration import bench_rig_calibration
 from station.bench.rig_intervals import bench_rig_intervals
 from station.bench.rig_times import bench_rig_times
 from station.bench.rig_wheels import bench_rig_wheels
-from station.bench.service import bench_service_kills, bench_service_store
+from station.bench.service import bench_service, bench_service_kills, bench_service_store
 from station.bench.stripe import bench_stripe, bench_stripe_sigma
 from station.bench.sweeps import bench_sweeps
 from station.progress import Progress
@@ -54,6 +54,7 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
     "rig": (bench_rig_wheels, bench_rig_intervals, bench_rig_times),
     "rig-calibration": (bench_rig_calibration,),
     "calibration": (bench_sweeps, bench_pose_sets, bench_solving, bench_solvers),
+    "service": (bench_service,),
     "service-kills": (bench_service_kills,),
     "service-store": (bench_service_store,),
     "stripe": (bench_stripe, bench_stripe_sigma),
@@ -79,6 +80,7 @@ __all__ = [
     "bench_rig_times",
     "bench_rig_wheels",
     "bench_rolling",
+    "bench_service",
     "bench_service_kills",
     "bench_service_store",
     "bench_solvers",

@@ -47,15 +47,20 @@ def cancel_job(station: Station, job_id: str, *, by: Actor) -> Job:
         end(job, JobState.CANCELLED, at=station.now())
         audit(session, Action.CANCEL, "job", job.id, by=by, at=station.now(), before=was)
         if job.kind == JobKind.MEASURE:
-            row = the(session, Pass, job.subject)
-            PASS.check(row.id, row.state, PassState.RECORDED)
-            row.state, row.reason = PassState.RECORDED, "its measuring was cancelled"
+            _give_recording_back(the(session, Pass, job.subject))
         elif job.kind == JobKind.RECALIBRATE:
             _fail_recalibration(session, job)
         elif job.kind in {JobKind.CALIBRATE, JobKind.CALIBRATE_RIG}:
             _fail_calibration(session, job)
     station.jobs.cancel(job_id)
     return job
+
+
+def _give_recording_back(row: Pass) -> None:
+    # Armed and recording lead to recorded too, but not by this: the sensors would go on.
+    if row.state is PassState.MEASURING:
+        PASS.check(row.id, row.state, PassState.RECORDED)
+        row.state, row.reason = PassState.RECORDED, "its measuring was cancelled"
 
 
 def _fail_recalibration(session: Session, job: Job) -> None:

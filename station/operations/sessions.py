@@ -13,10 +13,10 @@ from station.operations.arming import (
     ensure_sensors_free,
     ensure_space_for_session,
 )
-from station.operations.closing import close_all, note
 from station.operations.collaborators import Station
 from station.operations.picture_taking import begin_picture, begun_before
 from station.operations.sensors import rig_given, sensor_given
+from station.operations.session_ends import close_session, end_session, note_session_end
 from station.operations.session_orders import (
     SessionOrder,
     SessionView,
@@ -26,7 +26,6 @@ from station.operations.session_orders import (
 from station.settings import SensorSettings
 from station.store import (
     SESSION,
-    STATION,
     Action,
     Actor,
     CalibrationSession,
@@ -35,7 +34,6 @@ from station.store import (
     SessionState,
     audit,
     open_sessions,
-    recordings_of,
     the,
 )
 
@@ -81,12 +79,13 @@ class Sessions:
             ensure_sensors_free(session, sensors, f"calibration session {session_id}")
             ensure_space_for_session(self._station, sensors)
             recordings = self._add(session, session_id, order, sensors)
-            self._note(session, Action.ARM, session_id, by)
+            now = self._station.now()
+            audit(session, Action.ARM, "calibration session", session_id, by=by, at=now)
         try:
             for recording in recordings:
                 arm(self._station, recording, owner=session_id, trigger=Trigger.SOFTWARE)
         except StationError as error:
-            self._close(session_id, f"not armed: {error}")
+            close_session(self._station, session_id, f"not armed: {error}")
             raise
         return self._ensure_open(session_id), True
 
@@ -149,14 +148,14 @@ class Sessions:
                     f"calibration session {session_id} is {row.state}; finish one that is open",
                     state=row.state,
                 )
-            self._note_end(session_id, EndedBy.CONTROLLER, by=by)
-            return self._ended(session_id)
+            note_session_end(self._station, session_id, EndedBy.CONTROLLER, by=by)
+            return end_session(self._station, session_id)
 
     def end_overdue(self, session_id: str, why: str) -> bool:
         """End a session that nobody goes on with; False where somebody else has ended it."""
         with self._camera:
-            ends = self._note_end(session_id, EndedBy.TIMEOUT, why)
-            self._ended(session_id)
+            ends = note_session_end(self._station, session_id, EndedBy.TIMEOUT, why)
+            end_session(self._station, session_id)
             return ends
 
     def take_up(self) -> None:
@@ -176,8 +175,8 @@ class Sessions:
                 self._ensure_open(session_id)
                 return
             why = "the station stopped meanwhile"
-            self._note_end(session_id, EndedBy.RESTART, why)
-            self._ended(session_id)
+            note_session_end(self._station, session_id, EndedBy.RESTART, why)
+            end_session(self._station, session_id)
 
     def _ensure_open(self, session_id: str) -> SessionView:
         with self._station.store.change() as session:
@@ -235,57 +234,6 @@ class Sessions:
         session.add_all(recordings)
         return recordings
 
-    def _note_end(
-        self, session_id: str, ended_by: EndedBy, why: str | None = None, *, by: Actor = STATION
-    ) -> bool:
-        """Write down who ends a session; False where it has ended, or is ending."""
-        with self._station.store.change() as session:
-            row = the(session, CalibrationSession, session_id)
-            if row.state not in SESSION.unfinished or row.ended_by is not None:
-                return False
-            row.ended_by, row.reason = ended_by, why
-            self._note(session, Action.FINISH, session_id, by, ended_by=ended_by.value, why=why)
-            return True
-
-    def _ended(self, session_id: str) -> SessionView:
-        """Close a session whose end is written down; return it as it then is."""
-        view = self.view(session_id)
-        if view.row.state not in SESSION.unfinished:
-            return view
-        return self._close(session_id, view.row.reason)
-
-    def _close(self, session_id: str, reason: str | None) -> SessionView:
-        view = self.view(session_id)
-        expected = self._expected(view)
-        accounts = close_all(self._station, view.recordings, expected)
-        with self._station.store.change() as session:
-            row = the(session, CalibrationSession, session_id)
-            row.finished_at = self._station.now()
-            for recording in recordings_of(session, row):
-                recording.closed_at = row.finished_at
-                note(recording, accounts[recording.id], expected[recording.sensor])
-            pictures = any(closed.recorded for closed in accounts.values())
-            row.state, row.reason = _end_of(row, reason, pictures=pictures)
-            return session_view(session, row)
-
-    def _note(
-        self, session: Session, action: Action, session_id: str, by: Actor, **told: str | None
-    ) -> None:
-        now, kind = self._station.now(), "calibration session"
-        audit(session, action, kind, session_id, by=by, at=now, after=told or None)
-
-    def _expected(self, view: SessionView) -> dict[str, int | None]:
-        """Return how many frames were commanded; the capture process counts those of sequences."""
-        sensors = [recording.sensor for recording in view.recordings]
-        return {
-            sensor: None if self._takes_sequences(sensor) else view.row.pictures
-            for sensor in sensors
-        }
-
-    def _takes_sequences(self, sensor_id: str) -> bool:
-        sensor = self._station.settings.sensor(sensor_id)
-        return sensor is not None and bool(sensor.calibration_exposures)
-
     def _still_open(self, view: SessionView) -> bool:
         try:
             return all(
@@ -299,16 +247,3 @@ class Sessions:
 def _step(row: CalibrationSession, wanted: SessionState) -> None:
     SESSION.check(row.id, row.state, wanted)
     row.state = wanted
-
-
-def _end_of(
-    row: CalibrationSession, reason: str | None, *, pictures: bool
-) -> tuple[SessionState, str | None]:
-    """Return how a session ends, and why it says it does."""
-    if row.ended_by is EndedBy.CONTROLLER or (row.ended_by is not None and pictures):
-        wanted = SessionState.RECORDED
-    else:
-        wanted = SessionState.FAILED
-        reason = reason if row.ended_by is None else f"{reason}; no picture had been taken"
-    SESSION.check(row.id, row.state, wanted)
-    return wanted, reason

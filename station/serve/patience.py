@@ -94,7 +94,7 @@ class PatientHttp(H11Protocol):
         """Close the connection, with a problem document where nothing was answered yet."""
         if self.transport.is_closing():
             return
-        if self.conn.our_state is h11.IDLE:
+        if self.conn.our_state in {h11.IDLE, h11.SEND_RESPONSE}:
             problem = {"type": "about:blank", "title": title, "status": status, "detail": detail}
             headers = [
                 (b"content-type", b"application/problem+json"),

@@ -33,6 +33,9 @@ class StorageSettings(Section):
     keep_failed_days: float | None = Field(default=None, gt=0.0)
     """Recordings of passes that failed are deleted after so many days: give somebody the time to
     look at them; absent: they stay."""
+    keep_uploads_days: float | None = Field(default=None, gt=0.0)
+    """Uploaded recordings are deleted so many days after they came, unless a calibration in force
+    was made from them; absent: they stay until somebody deletes them."""
     compact_after_days: float | None = Field(default=None, ge=0.0)
     """Measured recordings are made smaller, without loss, after so many days; absent: never.  That
     is done while no train passes."""

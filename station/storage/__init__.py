@@ -11,6 +11,7 @@ from station.storage.space import (
     free_bytes,
 )
 from station.storage.tidying import due_deletions, files_of_recording, recordings_bytes, tidy
+from station.storage.unnamed import unnamed_recordings
 
 __all__ = [
     "GB",
@@ -30,4 +31,5 @@ __all__ = [
     "recordings_bytes",
     "tidy",
     "to_delete",
+    "unnamed_recordings",
 ]

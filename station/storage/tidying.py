@@ -1,15 +1,16 @@
 """Keeping the disk within its limits: the store says what may go, and is told what went."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 
 import structlog
+from sqlalchemy.orm import Session
 
 from station.progress import Progress, silent
 from station.recording import left_behind
 from station.settings import StorageSettings
-from station.storage.retention import Candidate, Deletion, Usage, to_delete
+from station.storage.retention import Candidate, Deletion, Kind, Usage, to_delete
 from station.storage.space import free_bytes
 from station.store import (
     STATION,
@@ -20,9 +21,15 @@ from station.store import (
     disposable_recordings,
     failed_recordings,
     the,
+    uploaded_recordings,
 )
 
 RECORDINGS = "recordings"
+_OF: Mapping[Kind, Callable[[Session], Sequence[Recording]]] = {
+    Kind.MEASURED: disposable_recordings,
+    Kind.FAILED: failed_recordings,
+    Kind.UPLOADED: uploaded_recordings,
+}
 _log = structlog.get_logger()
 
 
@@ -34,12 +41,14 @@ def due_deletions(
     free_of: Callable[[Path], int] = free_bytes,
 ) -> list[Deletion]:
     """Return the recordings that are to make way."""
-    limits = settings.quota_gb, settings.keep_days, settings.keep_failed_days
-    if limits == (None, None, None):
+    limits = settings.quota_gb, settings.keep_days
+    ages = settings.keep_failed_days, settings.keep_uploads_days
+    if {*limits, *ages} == {None}:
         return []
     with store.look() as session:
-        candidates = [_candidate(root, row) for row in disposable_recordings(session)]
-        candidates += [_candidate(root, row, failed=True) for row in failed_recordings(session)]
+        candidates = [
+            _candidate(root, row, kind) for kind, found in _OF.items() for row in found(session)
+        ]
     usage = Usage(recordings_bytes(root), free_of(root))
     return to_delete(candidates, usage, settings, now)
 
@@ -64,10 +73,10 @@ def tidy(
     return gone
 
 
-def _candidate(root: Path, row: Recording, *, failed: bool = False) -> Candidate:
+def _candidate(root: Path, row: Recording, kind: Kind) -> Candidate:
     files = files_of_recording(root / row.path)
     size_bytes = sum(file.stat().st_size for file in files)
-    return Candidate(row.id, row.opened_at, size_bytes, failed=failed)
+    return Candidate(row.id, row.opened_at, size_bytes, kind)
 
 
 def files_of_recording(path: Path) -> list[Path]:
@@ -79,7 +88,7 @@ def _delete(store: Store, root: Path, deletion: Deletion, now: datetime) -> None
     candidate = deletion.candidate
     with store.change() as session:
         # Looked at again while nobody else can write: a calibration may have come into force.
-        may_go = (failed_recordings if candidate.failed else disposable_recordings)(session)
+        may_go = _OF[candidate.kind](session)
         if candidate.recording_id not in {row.id for row in may_go}:
             return
         row = the(session, Recording, candidate.recording_id)

@@ -19,6 +19,7 @@ from station.store.disposal import (
     failed_recordings,
     measured_recordings,
     recordings_in_use,
+    uploaded_recordings,
 )
 from station.store.engine import Store, sqlite_url
 from station.store.following_tables import EarlyReading, Following
@@ -281,6 +282,7 @@ __all__ = [
     "the",
     "unfinished_jobs",
     "unfinished_passes",
+    "uploaded_recordings",
     "usable",
     "used_lately",
     "wheels_of",

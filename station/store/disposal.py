@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
+from station.store.following_tables import Following
 from station.store.recalibrations import recordings_recalibrated
 from station.store.replays import recordings_replayed
 from station.store.states import CalibrationState, PassState
@@ -23,8 +24,10 @@ def measured_recordings(session: Session) -> Sequence[Recording]:
     """Return the recordings of passes that were measured and are still there, oldest first.
 
     Measured with the calibration they were recorded under; one without a frame counts too. A rig's
-    wheel is in the row of one of its recordings, and was measured from all of them.
+    wheel is in the row of one of its recordings, and was measured from all of them. One that was
+    measured while it was written, and then not to its end, does not count.
     """
+    followed = select(Following.recording_id)
     measured = (
         select(Measurement.id)
         .where(Measurement.recording_id == Recording.id)
@@ -44,6 +47,7 @@ def measured_recordings(session: Session) -> Sequence[Recording]:
         .where(Recording.closed_at.is_not(None))
         .where(Recording.deleted_at.is_(None))
         .where(or_(measured, on_rig, Recording.recorded == 0))
+        .where(Recording.id.not_in(followed))
         .order_by(Recording.opened_at, Recording.id)
     ).all()
 
@@ -60,6 +64,18 @@ def failed_recordings(session: Session) -> Sequence[Recording]:
         .join(Pass, Recording.pass_id == Pass.id)
         .where(Pass.state == PassState.FAILED)
         .where(Recording.closed_at.is_not(None))
+        .where(Recording.deleted_at.is_(None))
+        .order_by(Recording.opened_at, Recording.id)
+    )
+    return [row for row in found if row.id not in kept]
+
+
+def uploaded_recordings(session: Session) -> Sequence[Recording]:
+    """Return the uploaded recordings that are still there and nothing needs, oldest first."""
+    _, kept = _calibrated_from(session)
+    found = session.scalars(
+        select(Recording)
+        .where(Recording.sha256.is_not(None))
         .where(Recording.deleted_at.is_(None))
         .order_by(Recording.opened_at, Recording.id)
     )

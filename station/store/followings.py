@@ -1,7 +1,8 @@
 """What is kept of measuring while a train passes, until the finished recordings are measured.
 
 A reading is given as soon as its wheel seems over. Where a later frame shows that it was not, the
-reading is withdrawn and the right one stands in its place.
+reading is withdrawn and the right one stands in its place. What is kept here of a finished pass is
+of recordings that could not be measured to their end.
 """
 
 from collections.abc import Iterable, Sequence

@@ -19,7 +19,6 @@ from station.store import (
     PassState,
     Recording,
     end,
-    end_following,
     recordings_of,
     the,
 )
@@ -129,7 +128,6 @@ def conclude_measuring(context: WorkContext, job_id: str, results: Sequence[Step
         _step(row, PassState.RECOVERED if cut else PassState.DONE)
         single = _measured_singly(context.settings, recordings)
         row.reason = "; ".join([*refused, *_unmeasured(recordings), *single]) or None
-        end_following(session, [each.id for each in recordings])
         _keep_axles(context, session, row)
         end(job, JobState.DONE, at=context.now())
 
@@ -161,7 +159,6 @@ def fail_measuring(context: WorkContext, job_id: str, why: str) -> None:
         row = the(session, Pass, job.subject)
         _step(row, PassState.FAILED)
         row.reason = why
-        end_following(session, [each.id for each in recordings_of(session, row)])
         _keep_axles(context, session, row)
         end(job, JobState.FAILED, at=context.now(), error=why)
 

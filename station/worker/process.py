@@ -4,7 +4,7 @@ import math
 import signal
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -16,6 +16,7 @@ from station.operations import Capture, DataLayout
 from station.processes.lock import held
 from station.processes.stop_signal import StopSignal
 from station.settings import StationSettings
+from station.storage import unnamed_recordings
 from station.store import Store
 from station.worker.context import Mathematics, WorkContext
 from station.worker.following import PassFollower
@@ -74,6 +75,8 @@ class _Rounds:
     workflows: Workflows
     looked_s: float = -math.inf
     reached: bool = True
+    told: set[Path] = field(default_factory=set)
+    """Recordings that the log has named already."""
 
     def make(self) -> None:
         """See what is to be done; a store that is away must not end the worker with its jobs."""
@@ -90,14 +93,18 @@ class _Rounds:
         self.workflows.take_in()
         order_what_is_owed(self.context)
         if time.monotonic() - self.looked_s >= _LOOK_AT_DISK_S:
-            _look_at_disk(self.context)
+            _look_at_disk(self.context, self.told)
             self.looked_s = time.monotonic()
 
 
-def _look_at_disk(context: WorkContext) -> None:
-    """Order what the disk needs; one that refuses must not end the worker."""
+def _look_at_disk(context: WorkContext, told: set[Path]) -> None:
+    """Order what the disk needs, tell of what nobody knows; one that refuses ends no worker."""
     try:
         order_housekeeping(context)
+        for path in unnamed_recordings(context.store, context.layout.root):
+            if path not in told:
+                told.add(path)
+                _log.warning("recording in no row of the store; it is left alone", path=str(path))
     except OSError as error:
         _log.warning("disk not looked at", why=str(error))
 

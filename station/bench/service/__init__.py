@@ -1,6 +1,7 @@
 """What the running station reaches: its store, its API under load, its processes when killed."""
 
 from station.bench.service.kills import bench_service_kills
+from station.bench.service.load import bench_service
 from station.bench.service.store import bench_service_store
 
-__all__ = ["bench_service_kills", "bench_service_store"]
+__all__ = ["bench_service", "bench_service_kills", "bench_service_store"]

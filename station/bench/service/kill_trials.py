@@ -177,6 +177,7 @@ def _kill_after(station: StationProcess, victim: Victim, after_s: float) -> floa
 
 
 def roll_by(camera: SimulatedCameraProcess, wheels: int) -> None:
+    """Trigger the camera as so many wheels come by."""
     began_s = time.monotonic()
     for wheel in range(wheels):
         time.sleep(max(0.0, began_s + wheel * _WHEEL_S - time.monotonic()))

@@ -217,7 +217,7 @@ class Driven:
 def drive(load: Load) -> Driven:
     """Make the calls of a load; the process should have nothing else to do."""
     gc.collect()
-    gc.disable()  # a collection here would be counted as the station's
+    gc.disable()  # a collection here would be counted as the server's
     began_s, began_core_s = time.perf_counter(), time.process_time()
 
     async def make_calls() -> list[Answered]:

@@ -17,7 +17,7 @@ _PATIENCE_S = 10.0
 
 @dataclass(slots=True)
 class ReadingsSeen:
-    """While the block runs, asks for the readings of a pass and notes when each is there first.
+    """While the block runs, asks for the readings of a pass and notes when a new one is there.
 
     The simulated camera's clock is this host's, so that the two moments can be compared.
     """
@@ -30,8 +30,12 @@ class ReadingsSeen:
     _after: int = field(default=0, init=False)
     _enough: threading.Event = field(default_factory=threading.Event, init=False)
     _thread: threading.Thread = field(init=False)
+    _connection: http.client.HTTPConnection = field(init=False)
 
     def __enter__(self) -> Self:
+        self._connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=_PATIENCE_S)
+        while self._new():
+            pass  # what is there already
         self._thread = threading.Thread(target=self._watch, name="readings", daemon=True)
         self._thread.start()
         return self
@@ -44,22 +48,22 @@ class ReadingsSeen:
     ) -> None:
         self._enough.set()
         self._thread.join()
+        self._connection.close()
 
     def _watch(self) -> None:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=_PATIENCE_S)
         while not self._enough.wait(_LOOK_S):
-            self._look(connection)
-        self._look(connection)
-        connection.close()
+            found = self._new()
+            seen_s = time.time()
+            self.late_s += [seen_s - _last_frame_s(row["wheel"]) for row in found]
 
-    def _look(self, connection: http.client.HTTPConnection) -> None:
+    def _new(self) -> list[dict[str, Any]]:
+        """Return the readings that have come since the last time."""
         place = f"/v1/measurements?pass={self.pass_id}&after={self._after}"
-        connection.request("GET", place, headers={"Authorization": f"Bearer {self.key}"})
-        found = json.load(connection.getresponse())["measurements"]
-        seen_s = time.time()
-        for row in found:
-            self._after = row["id"]
-            self.late_s.append(seen_s - _last_frame_s(row["wheel"]))
+        self._connection.request("GET", place, headers={"Authorization": f"Bearer {self.key}"})
+        found: list[dict[str, Any]] = json.load(self._connection.getresponse())["measurements"]
+        if found:
+            self._after = found[-1]["id"]
+        return found
 
 
 def _last_frame_s(wheel: dict[str, Any]) -> float:

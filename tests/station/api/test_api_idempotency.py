@@ -1,5 +1,5 @@
-"""Shows that a POST with an Idempotency-Key is done once however often it comes.  What a call leaves
-behind during which the API process dies is shown by `test_api_killed_posts`."""
+"""Shows that a POST with an Idempotency-Key is done once however often it comes.  What is left by
+one during which the API process is killed is shown by `test_api_killed_posts`."""
 
 import threading
 from datetime import timedelta

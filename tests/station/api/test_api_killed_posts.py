@@ -2,6 +2,7 @@
 API process was killed while it was done: every POST of the contract, after each thing it does that
 lasts.  An upload needs no key: it is known again by its bytes, see `test_api_uploads`."""
 
+import contextlib
 import json
 from collections import Counter
 
@@ -26,7 +27,6 @@ from station.store import (
     Table,
     activate,
     active,
-    the,
 )
 
 SENSORS = (
@@ -77,8 +77,8 @@ class Ground:
             session.flush()
             session.add(
                 Recording(
-                    id=f"recording-of-{sensor}", sensor=sensor, session_id=name, path=f"{name}.mcap",
-                    opened_at=now, closed_at=now, recorded=3, recovered=False,
+                    id=f"recording-of-{sensor}", sensor=sensor, session_id=name,
+                    path=f"{name}.mcap", opened_at=now, closed_at=now, recorded=3, recovered=False,
                 )
             )  # fmt: skip
 
@@ -220,10 +220,8 @@ def made(ground, prepare, name, *, deeds):
     before = ground.traces()
     if deeds is not None:
         served.life.end_after(deeds)
-    try:
+    with contextlib.suppress(Died):
         served.request("POST", path, **given)
-    except Died:
-        pass
     died = served.life.dead
     served.kill_and_begin_again()
     answer = served.request("POST", path, **given)

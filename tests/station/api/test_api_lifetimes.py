@@ -15,10 +15,12 @@ from station.operations.strays import close_strays
 from station.store import (
     Actor,
     CalibrationSession,
+    JobKind,
     Pass,
     PassState,
     Recording,
     SessionState,
+    add_job,
     the,
 )
 
@@ -346,6 +348,14 @@ def test_a_sensor_that_was_armed_for_the_next_pass_meanwhile_is_no_stray(served,
     open_pass(served, call, "p2")
     assert close_strays(served.station, seen) == []
     assert all(capture.plan is not None for capture in served.captures.values())
+
+
+def test_cancelling_a_job_takes_no_pass_off_its_sensors(served, call):
+    open_pass(served, call)
+    with served.store.change() as session:
+        add_job(session, "early", JobKind.MEASURE, "p1", at=served.station.now())
+    assert call.delete("/v1/jobs/early").json()["state"] == "cancelled"
+    assert call.get("/v1/passes/p1").json()["state"] == "recording"
 
 
 SESSION = "/v1/calibration-sessions/s1"

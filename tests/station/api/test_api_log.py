@@ -9,11 +9,13 @@ from station.serve import log_as
 
 
 @pytest.fixture
-def lines(capfd):
+def lines(call, capfd):
     """The lines of the log, as they are when asked for."""
     taken = []
 
     def read():
+        # A line follows its answer: with a next answer there, it has been written.
+        call.get("/healthz")
         text = capfd.readouterr().err
         taken.extend(json.loads(line) for line in text.splitlines() if line.startswith("{"))
         return taken

@@ -1,8 +1,9 @@
 """What must be true of a station at every moment, whatever was asked of it."""
 
+from trackside import frames_in
+
 from station.recording import active_path
 from station.store import JOB, PASS, SESSION, CalibrationSession, Job, Pass, Recording
-from trackside import frames_in
 
 _TABLES = ((Pass, PASS), (CalibrationSession, SESSION), (Job, JOB))
 

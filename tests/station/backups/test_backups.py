@@ -2,6 +2,7 @@
 damaged, and that what a restore replaces is kept, on both databases."""
 
 import errno
+import fcntl
 import os
 import re
 import sqlite3
@@ -114,6 +115,15 @@ def test_a_backup_is_not_restored_while_the_station_runs(layout, tmp_path):
     made = make_backup(layout.store_url, tmp_path / "one.backup")
     add_passes(layout, "p1")
     with held(layout.station_lock, "a station"), pytest.raises(StateConflict, match="stop it"):
+        restore(layout, made.path)
+    assert passes_in(layout) == 1
+
+
+def test_a_backup_is_not_restored_while_processes_of_a_killed_station_are_ending(layout, tmp_path):
+    made = make_backup(layout.store_url, tmp_path / "one.backup")
+    add_passes(layout, "p1")
+    with layout.processes_lock.open("a") as ending, pytest.raises(StateConflict, match="killed"):
+        fcntl.flock(ending, fcntl.LOCK_SH)
         restore(layout, made.path)
     assert passes_in(layout) == 1
 

@@ -1,5 +1,6 @@
-"""Shows a station that is told to end, or loses its database, in the middle of a pass: real processes,
-a camera that sees wheels, a controller that says everything again until it is answered."""
+"""Shows a station that is told to end, or loses its database, in the middle of a pass: real
+processes, a camera that sees wheels, a controller that says everything again until it is
+answered."""
 
 from concurrent.futures import ThreadPoolExecutor
 from threading import Event
@@ -26,14 +27,14 @@ def stage(tmp_path_factory):
 
 def assert_sound(stage, pass_id, triggers, lost):
     truth = truth_of_pass(stage.store, stage.station.layout, pass_id, triggers)
-    assert truth.lost == lost
+    assert truth.lost in lost
     assert truth.unsaid == truth.unsound == 0, truth
     assert truth.missing == truth.doubled == truth.differing == 0, truth
 
 
+@pytest.mark.slow  # the shorter one beside the tests of `station serve` looks at the files alone
 @pytest.mark.parametrize(
-    ("pass_id", "all_at_once"),
-    [("to-the-supervisor", False), pytest.param("to-all", True, marks=pytest.mark.slow)],
+    ("pass_id", "all_at_once"), [("to-the-supervisor", False), ("to-all", True)]
 )
 def test_a_station_told_to_end_in_the_middle_of_a_train_keeps_what_it_saw(
     stage, pass_id, all_at_once
@@ -54,7 +55,8 @@ def test_a_station_told_to_end_in_the_middle_of_a_train_keeps_what_it_saw(
         gone.set()
         station.start()
         assert taken.result()["state"] in {"done", "recovered"}
-    assert_sound(stage, pass_id, triggers=4, lost=1)
+    # The fourth came while there was no station; the third may have been on its way to it.
+    assert_sound(stage, pass_id, triggers=4, lost={1, 2})
     station.wait(lambda: not left_over(station, stage.store), "to be at rest")
 
 
@@ -107,7 +109,7 @@ def test_a_database_that_crashes_in_the_middle_of_a_train_costs_time_and_no_fram
         station.wait_until_ready()
     assert controller.server_errors == 0
     assert {part: station.pid_of(part) for part in PARTS} == before
-    assert_sound(stage, "p1", triggers=4, lost=0)
+    assert_sound(stage, "p1", triggers=4, lost={0})
 
 
 def said(ask):

@@ -277,3 +277,18 @@ def test_failed_pass_goes_by_its_own_limit_and_by_no_other(kept):
 def test_unfinished_file_is_never_among_those_that_go(tmp_path):
     with RecordingWriter(tmp_path / "a.mcap"):
         assert files_of_recording(tmp_path / "a.mcap") == []
+
+
+def test_uploads_go_by_their_own_age_alone_and_not_while_something_needs_them(kept):
+    for name in ("older", "needed", "younger"):
+        kept.recording(name, sha256=name)
+    kept.calibration("from-upload", "needed")
+    kept.in_force("from-upload", 3)
+    assert kept.tidy(StorageSettings(keep_days=1.0, keep_failed_days=1.0)) == []
+    assert kept.tidy(StorageSettings(keep_uploads_days=97.5)) == ["older"]
+    with kept.store.look() as session:
+        assert the(session, Recording, "older").deleted_why == (
+            "uploaded; older than keep_uploads_days = 97.5"
+        )
+    assert kept.left() == {"needed.mcap", "younger.mcap"}
+    assert kept.tidy(StorageSettings(keep_uploads_days=1.0)) == ["younger"]

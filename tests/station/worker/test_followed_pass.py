@@ -38,8 +38,8 @@ from station.store import (
     Recording,
     RigCalibration,
     add_job,
-    end_following,
     followings_of,
+    measured_recordings,
     measurements_page,
     profiles_of,
     the,
@@ -108,6 +108,7 @@ class Trackside:
                     opened_at=utc_now(),
                     calibration_id=f"of-{each}",
                     rig_calibration_id=rig,
+                    closed_at=utc_now(),
                     recovered=False,
                 )
                 for each in sensors
@@ -157,7 +158,8 @@ class Trackside:
         with self.ground.store.look() as session:
             assert the(session, Pass, PASS).state is PassState.DONE, the(session, Pass, PASS).reason
             ids = [f"pass.{PASS}.{each}" for each in self.sensors]
-            assert followings_of(session, ids) == []
+            left = {row.recording_id for row in followings_of(session, ids)}
+        assert left == {each["recording"] for each in results if "refused" in each}
         return self.seen
 
     @property
@@ -305,13 +307,16 @@ def test_readings_by_another_reference_do_not_stand_beside_those_of_the_settings
     assert here.frames == [[1, 2], [3, 4]]
 
 
+def damage(path, *, from_the_end):
+    with path.open("r+b") as stream:
+        stream.seek(-from_the_end, 2)
+        stream.write(bytes(range(8)))
+
+
 def test_a_frame_that_is_damaged_leaves_the_pass_to_the_job(ground, wheels):
     here = Trackside(ground)
     roll_by(here, wheels[:1])
-    path = active_path(ground.layout.root / "left.mcap")
-    with path.open("r+b") as stream:
-        stream.seek(-1000, 2)
-        stream.write(b"\x55" * 8)
+    damage(active_path(ground.layout.root / "left.mcap"), from_the_end=1000)
     follower = here.follower = here.new_follower()
     here.turn(quiet=True)
     assert here.seen == {}
@@ -385,10 +390,24 @@ def test_a_sensor_that_recorded_nothing_is_said_in_each_reading_in_the_end(rig_g
     assert [each["reason"] for each in said] == ["no frame was recorded"] * 2
 
 
-def test_what_is_forgotten_of_following_leaves_the_readings(ground, wheels):
-    here = Trackside(ground)
-    roll_by(here, wheels, quiet=[(1, 1)])
+def test_a_recording_that_cannot_be_measured_to_its_end_keeps_its_readings_and_is_kept(
+    ground, wheels
+):
+    """Of two sensors one is damaged behind its first wheel; the pass is done by the other."""
+    here = Trackside(ground, ("left", "right"))
+    for number, views in enumerate(wheels):
+        for place, picture in enumerate(views):
+            for sensor in here.sensors:
+                here.write(sensor, picture, number * NEXT_WHEEL_MS + place * SAME_WHEEL_MS)
+        here.turn(quiet=True)
+        here.follower = here.new_follower()
     before = dict(here.seen)
-    with ground.store.change() as session:
-        end_following(session, [f"pass.{PASS}.left"])
+    for each in here.writers.values():
+        each.finish({})
+    damage(ground.layout.root / "right.mcap", from_the_end=len(wheels[1][1]) * 1000)
+    here.follower.stop()
+    here.measure()
+    assert "damaged" in here.results[1]["refused"]
     assert here.seen == before
+    with ground.store.look() as session:
+        assert [each.sensor for each in measured_recordings(session)] == ["left"]
