@@ -66,9 +66,19 @@ def _struck_out(found: re.Match[str]) -> str:
     return f"{found['key'] or found['header'] or found['url']}***"
 
 
+class _ToStderr(logging.Handler):
+    """Writes to what is stderr when something is logged, as the station's own lines are."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        try:
+            sys.stderr.write(f"{self.format(record)}\n")
+        except Exception:  # noqa: BLE001  a line that cannot be written is no reason to fail
+            self.handleError(record)
+
+
 def _take_over_standard_logging(shared: Sequence[Processor]) -> None:
     """Have what libraries say with the standard library's logging written the same way."""
-    handler = logging.StreamHandler()
+    handler = _ToStderr()
     handler.setFormatter(
         structlog.stdlib.ProcessorFormatter(
             foreign_pre_chain=[*shared, structlog.stdlib.add_logger_name],

@@ -33,6 +33,11 @@ _GAUGES: tuple[tuple[str, str, _Read], ...] = (
         lambda status: float(status.ring_waiting),
     ),
     (
+        "station_sensor_temperature_celsius",
+        "Temperature of the camera while it recorded nothing, where it tells.",
+        lambda status: status.temperature_c,
+    ),
+    (
         "station_clock_offset_seconds",
         "What is added to the camera's time to have UTC.",
         _clock("clock_offset_ns", 1e-9),

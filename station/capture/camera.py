@@ -28,6 +28,7 @@ It has no network, so packets and resends are not tried by it; no clock; and by 
 gives frames that nobody asked for, which a recording says.
 """
 _PIXEL_FORMAT = "Mono8"
+_TEMPERATURE = "DeviceTemperature"
 
 
 class Camera:
@@ -84,6 +85,13 @@ class Camera:
     def obeys(self) -> bool:
         """Ask a camera that answers whether this process still controls it."""
         return self._link is None or (bool(self._device.is_controller()) and self._link.obeys())
+
+    def temperature_c(self) -> float | None:
+        """Return how warm the camera is, degrees Celsius; None where it does not tell."""
+        if not self._features.has(_TEMPERATURE):
+            return None
+        with self._talking():
+            return float(self._features.get(_TEMPERATURE))
 
     def clock_sample(self) -> ClockSample | None:
         """Ask for the camera's time; None where it does not tell."""

@@ -1,5 +1,6 @@
 """Keeping a camera open: found lost, dropped, opened again."""
 
+import contextlib
 import time
 from dataclasses import dataclass
 
@@ -18,6 +19,7 @@ _SILENT_CHECK_INTERVAL_S = 0.3
 _SENDING_S = 0.25
 _RETRY_INTERVAL_S = 1.0
 _FIRST_TRY_S = 0.3
+_FEEL_INTERVAL_S = 10.0
 _log = structlog.get_logger()
 
 
@@ -43,7 +45,9 @@ class CameraKeeper:
         self._link: RecorderLink | None = None
         # Whoever starts the process for one recording arms it at once, and that opens the camera.
         self._next_s = time.monotonic() + _FIRST_TRY_S
-        self._checked_s = 0.0
+        self._checked_s = self._feel_s = 0.0
+        self.temperature_c: float | None = None
+        """Of the camera, as it was asked last."""
 
     def ensure_open(self) -> tuple[Camera, Ring, RecorderLink]:
         """Return the camera with what belongs to it, opening it where it is not.
@@ -114,6 +118,15 @@ class CameraKeeper:
         if self._link is not None and not self._link.is_recording:
             self._link.ensure_alive()
 
+    def feel(self) -> None:
+        """Ask now and then how warm the camera is; only while it sends nothing."""
+        if self.camera is None or time.monotonic() < self._feel_s:
+            return
+        self._feel_s = time.monotonic() + _FEEL_INTERVAL_S
+        # One that does not answer is found lost by what looks for that.
+        with contextlib.suppress(CameraError):
+            self.temperature_c = self.camera.temperature_c()
+
     def is_due(self) -> bool:
         """Whether to try again to open the camera."""
         return self.camera is None and time.monotonic() >= self._next_s
@@ -124,7 +137,7 @@ class CameraKeeper:
             self.camera.close(lost=True)
             # Those who ask for the state hear of it before the next try makes them wait.
             self._next_s = time.monotonic() + _FIRST_TRY_S
-        self.camera = None
+        self.camera = self.temperature_c = None
         self._note(problem)
 
     def _note(self, problem: str | None) -> None:

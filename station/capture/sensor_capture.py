@@ -74,7 +74,7 @@ class SensorCapture:
         base = CaptureStatus(self.state, self._sensor, keeper.problem, keeper.description)
         if keeper.camera is not None:
             warnings = tuple(text for _, text in keeper.camera.warnings)
-            base = replace(base, warnings=warnings)
+            base = replace(base, warnings=warnings, temperature_c=keeper.temperature_c)
         if self._session is None:
             return replace(base, totals=self._totals)
         status = self._session.status(base)
@@ -185,6 +185,8 @@ class SensorCapture:
         if self._keeper.is_check_due(heard_s):
             self._keeper.look_after_recorder()
             self._check_camera(session)
+            if session is None:
+                self._keeper.feel()
         elif self._keeper.is_due():
             try:
                 camera, *_ = self._keeper.ensure_open()

@@ -49,6 +49,8 @@ class CaptureStatus:
     """Of them, those that wait to be written."""
     clock: Mapping[str, str] = field(default_factory=dict)
     """How the camera's clock goes: see `ClockSummary.to_text`."""
+    temperature_c: float | None = None
+    """Of the camera, while nothing was recorded; None where it does not tell."""
     totals: Mapping[str, int] = field(default_factory=dict)
     """Frames by fate and packets resent since this process began."""
     warnings: tuple[str, ...] = ()
@@ -73,6 +75,7 @@ class CaptureStatus:
             "ring_slots": self.ring_slots,
             "ring_waiting": self.ring_waiting,
             "clock": dict(self.clock),
+            "temperature_c": self.temperature_c,
             "totals": dict(self.totals),
             "warnings": list(self.warnings),
         }

@@ -7,7 +7,7 @@ from multiprocessing import get_context
 
 from station.processes.lifeline import end_with_parent
 from station.processes.one_core import use_one_core
-from station.processes.priority import yield_to_others
+from station.processes.priority import yield_to_others, yields
 from station.processes.stop_signal import STOP_SIGNALS
 
 
@@ -28,5 +28,6 @@ def _begin(parent_pid: int) -> None:
     # left is for the one to say that wants its answers.
     for number in STOP_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
-    yield_to_others()
+    if yields():  # for a person who waits at a terminal it does not
+        yield_to_others()
     use_one_core()

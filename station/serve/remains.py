@@ -69,6 +69,6 @@ def _remove_left_behind(note: Path) -> None:
     if not note.exists():
         return
     folder = Path(note.read_text(encoding="utf-8"))
-    ours = folder.is_dir() and not folder.is_symlink() and folder.stat().st_uid == os.getuid()
+    ours = folder.is_dir() and folder.stat().st_uid == os.getuid()
     if ours and folder.name.startswith(_PREFIX):
-        shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(folder, ignore_errors=True)  # which does not follow a link

@@ -39,6 +39,7 @@ class CameraMemory:
             self.put(target, value)
         self.put_real(reg.FRAME_RATE, frame_rate_hz)
         self.put_real(reg.EXPOSURE_TIME, reg.DEFAULT_EXPOSURE_US)
+        self.put_real(reg.DEVICE_TEMPERATURE, reg.TEMPERATURE_C)
         self._update_payload_size()
         self.is_acquiring: Callable[[], bool] = lambda: False
 

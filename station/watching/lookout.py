@@ -34,6 +34,8 @@ _PATIENCE_S = 2.0
 """How long a look waits for a part that does not answer, once; the next look knows it hangs."""
 _FRESH_S = 1.0
 """How long a look is good: a probe that asks ten times a second costs no more than one a second."""
+_UNREADY_FRESH_S = 0.2
+"""One that is not ready is waited for, as when the station starts."""
 _FEW_PASSES = 3
 _log = structlog.get_logger()
 
@@ -87,17 +89,21 @@ class Lookout:
         While one caller waits for a part that hangs, the others are given the look before.
         """
         last = self._last
-        if last is not None and time.monotonic() - self._looked_s < self._fresh_s:
+        if last is not None and self._is_fresh(last):
             return last
         if not self._looking.acquire(blocking=last is None):
             return last or self.look()
         try:
-            if self._last is None or time.monotonic() - self._looked_s >= self._fresh_s:
+            if self._last is None or not self._is_fresh(self._last):
                 self._last = self._see()
                 self._looked_s = time.monotonic()
             return self._last
         finally:
             self._looking.release()
+
+    def _is_fresh(self, last: Outlook) -> bool:
+        age_s = time.monotonic() - self._looked_s
+        return age_s < (self._fresh_s if last.ready else min(self._fresh_s, _UNREADY_FRESH_S))
 
     def _see(self) -> Outlook:
         now = self._station.now()

@@ -4,7 +4,6 @@ It is an accelerator and no source of truth: the job that measures a finished pa
 is certain, measures the rest, and needs nothing of what is here.
 """
 
-import os
 import threading
 import time
 from collections.abc import Callable
@@ -22,8 +21,6 @@ _LOOK_S = 0.2
 _POLL_S = 0.02
 _BREATH_S = 0.0005
 """Between turns, so that whoever wants a pass let go gets his turn."""
-_NICE = 5
-"""Behind the processes that record and answer, where there are not cores enough for all."""
 _BEHIND_S = 1.0
 _log = structlog.get_logger()
 
@@ -57,13 +54,11 @@ class PassFollower:
             self._complete(pass_id)
 
     def _run(self) -> None:
-        # Of this thread alone: on Linux each has a niceness of its own.
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICE)
         while not self._stop.is_set():
             try:
                 with self._busy:
                     worked = self.turn()
-            except StationError as error:  # the store, as the rest is seen to below
+            except Exception as error:  # noqa: BLE001  the store, most likely; the next look may do
                 _log.warning("passes not followed for now", why=str(error))
                 worked = False
             self._stop.wait(_BREATH_S if worked else _POLL_S)

@@ -1,6 +1,7 @@
 """Shows what an answered call leaves in the log, and how its lines are found again."""
 
 import json
+import socket
 
 import pytest
 from served_station import ADMIN_KEY
@@ -130,3 +131,13 @@ def test_a_job_leads_to_the_call_that_ordered_it(served, call, lines):
         "r1",
         "p1",
     )
+
+
+def test_what_the_server_itself_says_is_a_line_like_all_others(served, lines):
+    place = ("127.0.0.1", int(served.url.rpartition(":")[2]))
+    with socket.create_connection(place, timeout=20.0) as connection:
+        connection.sendall(b"no call of HTTP\r\n\r\n")
+        connection.recv(1000)
+    (said,) = [line for line in lines() if line.get("logger") == "uvicorn.error"]
+    assert "Invalid HTTP request" in said["event"]
+    assert (said["level"], said["process"]) == ("warning", "test")

@@ -96,11 +96,11 @@ def test_the_readme_lists_them_all_and_no_other(served, call, busy):
 def test_ids_from_outside_never_become_labels(served, call):
     call.put("/v1/passes/the-name-of-a-pass", json={}, headers={"X-Request-Id": "the-id"})
     call.get("/v1/jobs/the-name-of-a-job")
-    call.get("/the/name/of/nothing")
+    call.get("/the/name/of/nowhere")
     call.request("BREW", "/v1/passes")
     text = call.get("/metrics").text
     assert "the-" not in text
-    assert "nothing" not in text
+    assert "nowhere" not in text
     assert "BREW" not in text
 
 

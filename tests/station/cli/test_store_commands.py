@@ -97,3 +97,11 @@ def test_a_station_that_never_ran_has_no_trail_and_gets_no_store(station, layout
     assert (code, err.count("\n")) == (2, 1)
     assert "no store yet" in err
     assert not layout.store_file.exists()
+
+
+def test_a_backup_that_ended_well_is_noted_for_the_metrics(station, trail, layout, tmp_path):
+    assert not layout.backup_note.exists()
+    assert station("backup", "--out", str(tmp_path / "no-such-folder" / "b.sqlite"))[0] == 2
+    assert not layout.backup_note.exists()
+    assert station("backup", "--out", str(tmp_path / "b.sqlite"))[0] == 0
+    assert layout.backup_note.read_text() == f"{tmp_path / 'b.sqlite'}\n"

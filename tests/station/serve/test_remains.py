@@ -64,7 +64,9 @@ def test_a_process_that_never_ends_is_told_of(layout, remaining, monkeypatch):
 
 def test_shares_do_not_keep_each_other_waiting(layout, remaining):
     command = [sys.executable, "-c", SHARES, layout.processes_lock]
-    done = subprocess.run(command, input="\n", capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        command, input="\n", capture_output=True, text=True, check=True, timeout=30
+    )
     assert done.stdout == "shares\n"
 
 

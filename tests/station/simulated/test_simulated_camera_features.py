@@ -70,7 +70,8 @@ def test_every_feature_of_the_description_is_read(receiver):
     assert read["TLParamsLocked"] == "0"
     assert read["GevTimestampTickFrequency"] == "1000000000"
     assert device.get_integer_feature_value("GevCurrentIPAddress") == 0x7F0A0201
-    assert len(read) == 46
+    assert read["DeviceTemperature"] == "42.5"
+    assert len(read) == 47
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ the loopback network: what is on the disk afterwards.  How it is solved is shown
 import os
 import shutil
 import tempfile
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from station.capture import CaptureClient, start_capture
 from station.recording import frames, verify
 from station.settings import RecalibrationSettings, SensorSettings
 from station.simulated import ArraySource, SimulatedCamera
+from station.simulated.registers import TEMPERATURE_C
 from station.store import CalibrationSession, Recalibration, recordings_of, the
 from station.worker.collecting import collect
 from station.worker.quiet import Quiet
@@ -70,3 +72,11 @@ def test_a_night_takes_its_own_pictures_and_takes_them_into_the_recalibration(
     path = ground.layout.root / recording.path
     assert verify(path).ok
     assert len(list(frames(path))) == 2 * PICTURES
+
+
+def test_a_camera_tells_how_warm_it_is_while_nothing_is_recorded(capture):
+    deadline = time.monotonic() + 30.0
+    while (warm_c := capture.status().temperature_c) is None:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    assert warm_c == TEMPERATURE_C

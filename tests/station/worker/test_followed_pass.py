@@ -3,6 +3,8 @@ bit, what measuring the finished recordings gives: with files that go on in next
 frames, wheels thought over too early, killed followers and files that a crash cut.  The pictures
 are rendered wheels; time does not run but is told."""
 
+import threading
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +20,7 @@ from wheel_recordings import (
     views_of,
 )
 
+from station.errors import StoreUnusable
 from station.operations import utc_now
 from station.pipeline import (
     calibrate_rig_sources,
@@ -333,6 +336,31 @@ def test_a_pass_that_failed_is_let_go_of_and_nothing_is_kept_of_it_any_more(grou
     assert (here.seen, here.follower._followed) == ({}, {})
 
 
+def test_the_thread_follows_by_itself_past_a_store_that_is_away_for_a_moment(
+    ground, wheels, monkeypatch
+):
+    here = Trackside(ground)
+    follower = PassFollower(here.context)
+    look, away = type(ground.store).look, [True]
+
+    def look_or_not(store):
+        if away and threading.current_thread() is follower._thread:
+            away.pop()
+            raise StoreUnusable("the store is away")
+        return look(store)
+
+    monkeypatch.setattr(type(ground.store), "look", look_or_not)
+    follower.start()
+    for place, picture in enumerate(wheels[0]):
+        here.write("left", picture, place * SAME_WHEEL_MS)
+    deadline = time.monotonic() + 30.0
+    while here.frames != [[1, 2]]:
+        assert time.monotonic() < deadline, here.frames
+        time.sleep(0.02)
+    follower.stop()
+    assert (away, follower._followed) == ([], {})
+
+
 @pytest.fixture
 def rig_ground(ground):
     with ground.store.change() as session:
@@ -388,6 +416,29 @@ def test_a_sensor_that_recorded_nothing_is_said_in_each_reading_in_the_end(rig_g
     assert here.frames == [[1], [2]]
     said = [each["wheel"]["quality"]["by_sensor"][OUTER] for each in here.seen.values()]
     assert [each["reason"] for each in said] == ["no frame was recorded"] * 2
+
+
+def test_no_reading_rests_on_a_recording_of_which_nothing_was_saved(rig_ground, rig_shots):
+    here = Trackside(rig_ground, (INNER, OUTER), rig="true")
+    roll_by_rig(here, rig_shots[:1])
+    here.frame[OUTER] = 0  # as what a crash left of it says
+    here.finish()
+    said = [each["wheel"]["quality"]["by_sensor"][OUTER] for each in here.seen.values()]
+    assert [each["reason"] for each in said] == ["no frame was recorded"] * 3
+
+
+def test_a_sensor_damaged_in_the_end_has_no_part_in_the_readings_before(rig_ground, rig_shots):
+    here = Trackside(rig_ground, (INNER, OUTER), rig="true")
+    roll_by_rig(here, rig_shots[:1])
+    assert len(here.frames) == 3
+    here.follower = here.new_follower()  # the worker was killed, and the disk failed
+    for each in here.writers.values():
+        each.finish({})
+    damage(rig_ground.layout.root / f"{OUTER}.mcap", from_the_end=len(rig_shots[0][OUTER]) * 1000)
+    here.measure()
+    said = [each["wheel"]["quality"]["by_sensor"][OUTER] for each in here.seen.values()]
+    assert ["damaged" in each["reason"] for each in said] == [True] * 3
+    assert_as_afterwards(here)
 
 
 def test_a_recording_that_cannot_be_measured_to_its_end_keeps_its_readings_and_is_kept(

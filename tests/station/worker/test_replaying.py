@@ -152,6 +152,18 @@ def test_a_rig_measures_its_sensors_together_and_again_as_the_pass_did(ground, c
     assert len(wheels(ground, "p1")) == WHEELS
 
 
+def test_sensors_of_a_rig_measured_singly_do_not_stand_among_the_wheels_of_their_pass(
+    ground, context, station
+):
+    rig = ground.bring_rig_into_force()
+    measure(context, ground.order_measuring("p1", sensors=("inner", "outer"), rig=rig))
+    own = {"inner": "of-inner", "outer": "of-outer"}
+    done = replay(context, order(station, pass_id="p1", calibrations=own))
+    assert [each["added"] for each in done.row.results.values()] == [WHEELS, WHEELS]
+    assert {row.rig_calibration_id for row in wheels(ground, "p1")} == {rig}
+    assert len(wheels(ground, "p1")) == WHEELS
+
+
 def test_a_recording_that_cannot_be_measured_is_named_and_the_others_are(ground, context, station):
     ground.order_measuring("p1", names={"right": "unreadable"})
     own = {"left": "of-left", "right": "of-right"}
@@ -180,6 +192,21 @@ def test_a_cancelled_replay_keeps_what_it_had_measured_and_adds_nothing(ground, 
     with ground.store.look() as session:
         assert the(session, Job, view.job.id).state == "cancelled"
     assert {row.sensor for row in rows(ground, replay=view.row.id)} == {"left"}
+
+
+def test_a_replay_cancelled_after_its_last_word_keeps_nothing_either(ground, station, tmp_path):
+    """Between the last progress and the result nobody looks whether it was cancelled."""
+
+    class LateCancel(SlowMathematics):
+        def _work(self, progress):
+            cancel_job(station, view.job.id, by=PERSON)
+
+    late = LateCancel(tmp_path / "trace")
+    context = WorkContext(ground.settings, ground.store, ground.layout, late.parts)
+    ground.order_measuring("p1")
+    view = order(station, recordings=["pass.p1.left"], calibrations={"left": "of-left"})
+    assert replay(context, view).measurements == 0
+    assert rows(ground) == []
 
 
 def test_what_is_being_replayed_is_not_deleted_meanwhile(ground, context, station):
