@@ -14,6 +14,8 @@ from station.settings import WebSettings
 
 STREAMED: Final = frozenset({("POST", "/v1/recordings")})
 """Calls that read their body themselves, piece by piece, by `pieces_of`."""
+_READS: Final = frozenset({"GET", "HEAD"})
+_LENGTHS: Final = frozenset({"content-length", "transfer-encoding"})
 _DEEPEST: Final = 32
 _TWO_LENGTHS: Final = "the call has both Content-Length and Transfer-Encoding; send one, its body can be read two ways"
 KB: Final = 1000
@@ -32,6 +34,9 @@ class Bodies:
             await self._app(scope, receive, send)
             return
         headers = Headers(scope=scope)
+        if scope["method"] in _READS and not _LENGTHS & set(headers):
+            await self._app(scope, receive, send)  # it says that it has none
+            return
         if "Content-Length" in headers and "Transfer-Encoding" in headers:
             answer = problem_answer(scope["path"], BodyRefused(_TWO_LENGTHS))
             # Where one server ends the body, another reads the next call: nothing more is read.

@@ -1,7 +1,7 @@
 """Names for what a call makes: the same ones when the call comes again."""
 
 import hashlib
-from datetime import datetime
+from datetime import UTC, datetime
 
 from station.store import Call
 
@@ -16,7 +16,7 @@ class CallNames:
 
     Examples
     --------
-    >>> asked_at = datetime(2026, 7, 1)
+    >>> asked_at = datetime(2026, 7, 1, tzinfo=UTC)
     >>> names = CallNames(Call("controller", "k1", "f"), asked_at)
     >>> again = CallNames(Call("controller", "k1", "f"), asked_at)
     >>> first, second = names(), names()
@@ -26,7 +26,8 @@ class CallNames:
 
     def __init__(self, call: Call, asked_at: datetime) -> None:
         # With its moment: a key that is used anew after a day names other things.
-        told = (call.caller, call.key, call.fingerprint, asked_at.isoformat())
+        moment = asked_at.astimezone(UTC).isoformat()
+        told = (call.caller, call.key, call.fingerprint, moment)
         self._seed = "\n".join(told)
         self._given = 0
 

@@ -9,6 +9,7 @@ from station.api.answers import (
     Out,
     PassModel,
     RecordingModel,
+    RigActivationModel,
     RigCalibrationModel,
     SessionModel,
 )
@@ -21,6 +22,7 @@ from station.store import (
     Page,
     Pass,
     Recording,
+    RigActivation,
     RigCalibration,
 )
 
@@ -115,4 +117,21 @@ class RigCalibrationsPage(_PageModel):
         return cls(
             calibrations=[RigCalibrationModel.of(row, None) for row in page.rows],
             next=None if last is None else next_of(last.created_at, last.id),
+        )
+
+
+class RigInForcePage(Out):
+    """Some of a rig's calibrations, the last one first."""
+
+    rig: str
+    calibrations: list[RigActivationModel]
+    next: int | None
+    """The `before` of the next page; null on the last."""
+
+    @classmethod
+    def of(cls, rig: str, page: Page[RigActivation]) -> Self:
+        return cls(
+            rig=rig,
+            calibrations=[RigActivationModel.of(row) for row in page.rows],
+            next=page.rows[-1].version if page.more else None,
         )

@@ -30,6 +30,7 @@ class FrameAccount:
     refused: int = 0
     repeated: int = 0
     _last_id: int | None = field(default=None, init=False)
+    _before: int = field(default=0, init=False)
     _dropped: list[int] = field(default_factory=list, init=False)
 
     @property
@@ -51,19 +52,19 @@ class FrameAccount:
         if frame_id is None:
             self._say(EventKind.FRAME_REFUSED, None, 0, f"{flaw}, id unknown: counted as lost")
             return False
-        skipped = self._skipped(frame_id)
+        number, skipped = self.number(frame_id), self._skipped(frame_id)
         if skipped is None:
             self.repeated += 1
-            self._say(EventKind.FRAME_REPEATED, frame_id, 1, f"after frame {self._last_id}")
+            self._say(EventKind.FRAME_REPEATED, number, 1, f"after frame {self._last_number}")
             return False
         if skipped:
             self.lost += skipped
             first = 1 if self._last_id is None else id_after(self._last_id)
-            self._say(EventKind.FRAMES_LOST, first, skipped, f"before frame {frame_id}")
+            self._say(EventKind.FRAMES_LOST, self.number(first), skipped, f"before frame {number}")
         self._last_id = frame_id
         if flaw is not None:
             self.refused += 1
-            self._say(EventKind.FRAME_REFUSED, frame_id, 1, flaw)
+            self._say(EventKind.FRAME_REFUSED, number, 1, flaw)
             return False
         self.arrived += 1
         return True
@@ -84,9 +85,23 @@ class FrameAccount:
         self.recorded -= count
         self.lost += count
 
+    def number(self, frame_id: int) -> int:
+        """Return the number of a frame in the recording, where no two frames have the same.
+
+        It is the camera's id; that of a camera which was opened again goes on behind the last one.
+        """
+        if not self._before:
+            return frame_id
+        # By the larger one it is told whether ids have 16 bits, and begin again, or 64.
+        return id_after(max(frame_id, self._before), min(frame_id, self._before))
+
     def begin_again(self) -> None:
-        """Expect the numbers of a camera that was opened again: they begin anew."""
-        self._last_id = None
+        """Expect the ids of a camera that was opened again: they begin anew."""
+        self._before, self._last_id = self._last_number, None
+
+    @property
+    def _last_number(self) -> int:
+        return self._before if self._last_id is None else self.number(self._last_id)
 
     def close(self, triggered: int | None) -> None:
         """Say what could not be written; compare with the exposures somebody else counted."""
@@ -110,7 +125,8 @@ class FrameAccount:
         # GigE Vision: the first block of a stream that was just opened is 1.
         if frame_id - 1 <= _PLAUSIBLE_FIRST_LOSS:
             return frame_id - 1
-        self._say(EventKind.COUNTER_OFFSET, frame_id, 0, "a loss before it cannot be told")
+        number = self.number(frame_id)
+        self._say(EventKind.COUNTER_OFFSET, number, 0, "a loss before it cannot be told")
         return 0
 
     def _say(self, kind: EventKind, frame_id: int | None, count: int, detail: str) -> None:

@@ -131,11 +131,12 @@ class Intake:
         if not wanted or frame.frame_id is None:
             self._give_back(frame.slot)
             return
+        number = self.account.number(frame.frame_id)
         utc_ns = self.clock.utc_ns(frame.camera_ns, frame.received_ns)
         self._put(
             FrameEntry(
                 slot=frame.slot,
-                frame_id=frame.frame_id,
+                frame_id=number,
                 camera_time_ns=utc_ns,
                 host_time_ns=frame.received_ns,
                 width=frame.width,
@@ -145,7 +146,7 @@ class Intake:
         values = self._exposure_of(frame.frame_id)
         if values is not None:
             # Behind its frame, never before: a recording may go on in a next file between them.
-            self._put(Event(EventKind.EXPOSED, frame.received_ns, "", frame.frame_id, 1, values))
+            self._put(Event(EventKind.EXPOSED, frame.received_ns, "", number, 1, values))
 
     def learn_time(self, sample: ClockSample) -> None:
         """Take what the camera's clock showed; a clock that was set anew is said."""

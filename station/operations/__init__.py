@@ -50,7 +50,7 @@ from station.operations.rigs import (
     order_rig_calibration,
 )
 from station.operations.salvage import salvage_recording
-from station.operations.sensors import sensor_at, sensor_given
+from station.operations.sensors import rig_at, sensor_at, sensor_given
 from station.operations.session_orders import SessionOrder, SessionView
 from station.operations.sessions import Sessions
 from station.operations.uploads import Upload, Uploads
@@ -100,6 +100,7 @@ __all__ = [
     "order_rig_calibration",
     "recording_file",
     "replay_view",
+    "rig_at",
     "salvage_recording",
     "sensor_at",
     "sensor_given",

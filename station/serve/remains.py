@@ -54,7 +54,7 @@ def folder_of_sockets(layout: DataLayout) -> Generator[Path]:
     """
     note = layout.sockets_note
     _remove_left_behind(note)
-    folder = Path(tempfile.gettempdir(), _PREFIX + secrets.token_hex(8))
+    folder = Path(tempfile.gettempdir(), _PREFIX + secrets.token_hex(4))
     # Noted before it is made: killed in between, the next start finds nothing to remove.
     note.write_text(str(folder), encoding="utf-8")
     folder.mkdir(mode=0o700)

@@ -1,4 +1,4 @@
-"""The `[controller]` of the settings file: how long it may be silent before a pass ends by itself."""
+"""The `[controller]` of the settings file: after how much silence a pass ends by itself."""
 
 from typing import Self
 

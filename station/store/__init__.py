@@ -66,6 +66,7 @@ from station.store.lists import (
     recordings_by_pass,
     recordings_by_session,
     recordings_page,
+    rig_activations_page,
     rig_calibrations_page,
     sessions_page,
 )
@@ -270,6 +271,7 @@ __all__ = [
     "replays_page",
     "report_progress",
     "revoke_key",
+    "rig_activations_page",
     "rig_calibrations_page",
     "revision_of",
     "rotate_key",

@@ -6,7 +6,7 @@ from itertools import groupby
 from sqlalchemy import select
 from sqlalchemy.orm import Session, defer
 
-from station.store.paging import ALWAYS, Cursor, Page, Span, newest_page
+from station.store.paging import ALWAYS, Cursor, Page, Span, newest_page, page_of
 from station.store.states import JobState, PassState
 from station.store.tables import (
     AxleWheel,
@@ -15,6 +15,7 @@ from station.store.tables import (
     Job,
     Pass,
     Recording,
+    RigActivation,
     RigCalibration,
 )
 
@@ -125,6 +126,15 @@ def rig_calibrations_page(
     return newest_page(
         session, query, RigCalibration.created_at, RigCalibration.id, limit=limit, before=before
     )
+
+
+def rig_activations_page(
+    session: Session, rig: str, *, limit: int, before: int | None = None
+) -> Page[RigActivation]:
+    """Return the calibrations that came into force on a rig, the last one first."""
+    query = select(RigActivation).where(RigActivation.rig == rig)
+    query = query if before is None else query.where(RigActivation.version < before)
+    return page_of(session, query.order_by(RigActivation.version.desc()), limit)
 
 
 def sessions_page(

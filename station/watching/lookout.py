@@ -3,6 +3,7 @@
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextvars import Context
 from datetime import datetime
 from functools import partial
 from threading import Lock
@@ -117,7 +118,8 @@ class Lookout:
         if not isinstance(known, list):
             told.append((TroubleKind.STORE_UNREACHABLE, STORE, _why(known, self._patience_s)))
         found = gravest_first([*troubles, *self._dated(told, now)])
-        self._log_changes(found)
+        # In a context of its own: it has nothing to do with the call that happened to look.
+        Context().run(self._log_changes, found)
         return Outlook(now, self._parts(), found, statuses)
 
     def _parts(self) -> list[str]:

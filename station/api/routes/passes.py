@@ -76,7 +76,11 @@ def put_pass(
 def finish_pass(
     pass_id: IdInPath, body: FinishRequest, parts: PartsOf, _: Operator, by: By
 ) -> PassModel:
-    """Close, hold the frames against the count, have them measured: the train has gone."""
+    """Close, hold the frames against the count, have them measured: the train has gone.
+
+    Of a pass that has ended by itself it brings in what was counted.  The same again changes
+    nothing; other counts are refused.
+    """
     view = parts.passes.finish(
         pass_id,
         axles=body.axles,

@@ -3,14 +3,14 @@
 import json
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Response
+from fastapi import APIRouter, Header, Query, Response
 
 from calib import Target
 from station.api.actors import By
 from station.api.answers import RigActivationModel, RigCalibrationModel
 from station.api.callers import Calibrator, Reader
 from station.api.etag import etag_of, version_in
-from station.api.list_answers import RigCalibrationsPage
+from station.api.list_answers import RigCalibrationsPage, RigInForcePage
 from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
 from station.api.requests import (
@@ -27,13 +27,15 @@ from station.operations import (
     active_rig_calibration,
     keep_rig_calibration,
     order_rig_calibration,
+    rig_at,
 )
 from station.settings import SensorId
-from station.store import RigCalibration, rig_calibrations_page, the
+from station.store import RigCalibration, rig_activations_page, rig_calibrations_page, the
 
 router = APIRouter(prefix="/v1", tags=["calibration"])
 
 _RETRY_AFTER_S = "1"
+_LARGEST_VERSION = 2**31 - 1
 
 
 @router.post("/rig-calibrations", status_code=202)
@@ -89,6 +91,23 @@ def get_rig_calibration(calibration_id: IdInPath, parts: PartsOf, _: Reader) -> 
     with parts.station.store.look() as session:
         row = the(session, RigCalibration, calibration_id)
     return RigCalibrationModel.of(row, json.loads(row.document) if row.document else None)
+
+
+@router.get("/rigs/{rig_id}/calibrations")
+def list_rig_in_force(
+    rig_id: RigInPath,
+    parts: PartsOf,
+    _: Reader,
+    limit: Limit = 100,
+    before: Annotated[
+        int | None, Query(ge=1, le=_LARGEST_VERSION, description="`next` of a page.")
+    ] = None,
+) -> RigInForcePage:
+    """Return the calibrations that came into force on a rig, the last one first."""
+    rig_at(parts.station.settings, rig_id)
+    with parts.station.store.look() as session:
+        page = rig_activations_page(session, rig_id, limit=limit, before=before)
+    return RigInForcePage.of(rig_id, page)
 
 
 @router.get("/rigs/{rig_id}/active-calibration")

@@ -250,7 +250,7 @@ def _row(name: str, findings: _Findings) -> dict[str, Value]:
     return {
         "what": name,
         "count": len(took_ms),
-        "p50": float(np.median(took_ms)),
+        "p50": _percentile(took_ms, 50.0),
         "p99": _late(took_ms),
         "max": max(took_ms),
         "failed": refused,
@@ -265,21 +265,27 @@ def _row(name: str, findings: _Findings) -> dict[str, Value]:
 def _reading_row(
     name: str, late_s: Sequence[float], late_behind_s: Sequence[float]
 ) -> dict[str, Value]:
-    late_ms = [1e3 * each for each in late_s] or [math.inf]
+    late_ms = [1e3 * each for each in late_s]
+    longest_ms = max(late_ms, default=math.inf)
     return {
         "what": name,
         "count": len(late_s),
-        "p50": float(np.median(late_ms)),
+        "p50": _percentile(late_ms, 50.0),
         "p99": _late(late_ms),
-        "max": max(late_ms),
+        "max": longest_ms,
         "failed": 0,
         "asked": f"max <= {ASKED_READING_MS:g}",
-        "holds": bool(max(late_ms) <= ASKED_READING_MS),
+        "holds": bool(longest_ms <= ASKED_READING_MS),
         "p99 idle": "-",
-        "p99 behind": 1e3 * _late(late_behind_s or [math.inf]),
+        "p99 behind": 1e3 * _late(late_behind_s),
         "p99 bare app": "-",
     }
 
 
 def _late(values: Sequence[float]) -> float:
-    return float(np.percentile(values, _LATE))
+    return _percentile(values, _LATE)
+
+
+def _percentile(values: Sequence[float], percent: float) -> float:
+    """Return a percentile; of nothing, what never came."""
+    return float(np.percentile(values, percent)) if values else math.inf

@@ -194,6 +194,8 @@ def _moments(load: Load) -> Sequence[tuple[int, float]]:
     after_s = np.cumsum(rng.exponential(1.0 / load.rate_hz, count))
     shares = np.array([call.share for call in load.calls])
     places = rng.choice(len(shares), count, p=shares / shares.sum())
+    each_once = min(count, len(shares))  # a short load has of each kind, too
+    places[:each_once] = np.arange(each_once)
     return list(zip(places.tolist(), after_s.tolist(), strict=True))
 
 

@@ -19,7 +19,7 @@ from station.client import StationClient
 from station.errors import StationError
 from station.operations import DataLayout
 
-PATIENCE_S = 60.0
+PATIENCE_S = 120.0
 _LOOK_S = 0.02
 
 

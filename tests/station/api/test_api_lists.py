@@ -4,6 +4,7 @@ page may not be asked for is refused."""
 from datetime import UTC, datetime, timedelta
 
 import pytest
+from served_station import Served
 
 from station.store import (
     AxleWheel,
@@ -15,18 +16,37 @@ from station.store import (
     Pass,
     PassState,
     Recording,
+    RigActivation,
     RigCalibration,
     SessionState,
 )
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 ROWS = 7
+SENSORS_OF_RIG = (
+    {"id": "inner", "address": "127.0.0.4"},
+    {"id": "outer", "address": "127.0.0.5"},
+)
+RIG = {"id": "wheel", "sensors": ["inner", "outer"], "anchor": "outer"}
 SENSORS = ("left", "right")
 
 
-@pytest.fixture
-def filled(served):
-    """Seven of each kind; the last three of one moment, told apart by their ids."""
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory, empty_store):
+    """A station with seven of each kind; the last three of one moment, told apart by their ids."""
+    served = Served(tmp_path_factory.mktemp("filled"), empty_store)
+    fill(served)
+    yield served
+    served.close()
+
+
+@pytest.fixture(scope="module")
+def call(filled):
+    with filled.client() as client:
+        yield client
+
+
+def fill(served):
     with served.store.change() as session:
         for number in range(ROWS):
             at = NOON + timedelta(minutes=min(number, 4))
@@ -118,6 +138,30 @@ def names(call, path, key, **query):
             return found
 
 
+@pytest.mark.parametrize("served", [{"sensors": SENSORS_OF_RIG, "rigs": [RIG]}], indirect=True)
+def test_the_calibrations_that_came_into_force_on_a_rig_are_listed_the_last_one_first(served):
+    fill(served)
+    with served.store.change() as session:
+        for version in (1, 2, 3):
+            session.add(
+                RigActivation(
+                    rig="wheel",
+                    version=version,
+                    rig_calibration_id=f"g{2 * version - 2}",
+                    activated_at=NOON,
+                    activated_by="test",
+                )
+            )
+    place = "/v1/rigs/wheel/calibrations"
+    with served.client() as call:
+        first = call.get(place, params={"limit": 2}).json()
+        rest = call.get(place, params={"limit": 2, "before": first["next"]}).json()
+        assert call.get("/v1/rigs/none/calibrations").status_code == 404
+    found = [each["calibration"] for each in first["calibrations"] + rest["calibrations"]]
+    assert found == ["g4", "g2", "g0"]
+    assert rest["next"] is None
+
+
 def at(minutes):
     return (NOON + timedelta(minutes=minutes)).isoformat()
 
@@ -133,7 +177,6 @@ def at(minutes):
         ("/v1/calibration-sessions", "sessions", "s"),
     ],
 )
-@pytest.mark.usefixtures("filled")
 def test_a_list_is_whole_and_newest_first_whatever_its_pages(call, path, key, letter):
     assert names(call, path, key) == [f"{letter}{number}" for number in reversed(range(ROWS))]
 
@@ -158,12 +201,10 @@ def test_a_list_is_whole_and_newest_first_whatever_its_pages(call, path, key, le
         ("/v1/calibration-sessions", "sessions", {"sensor": "right"}, "s5"),
     ],
 )
-@pytest.mark.usefixtures("filled")
 def test_a_filter_leaves_what_it_names(call, path, key, query, expected):
     assert names(call, path, key, **query) == expected.split()
 
 
-@pytest.mark.usefixtures("filled")
 def test_rows_of_lists_are_those_that_are_fetched_by_themselves(call):
     for path, key, name in (
         ("/v1/passes", "passes", "p1"),
@@ -175,13 +216,14 @@ def test_rows_of_lists_are_those_that_are_fetched_by_themselves(call):
         assert row == call.get(f"{path}/{name}").raise_for_status().json()
 
 
-@pytest.mark.usefixtures("filled")
-def test_what_comes_while_a_list_is_read_moves_no_row_of_it(served, call):
-    page = call.get("/v1/passes", params={"limit": 3}).json()
-    with served.store.change() as session:
-        late = NOON + timedelta(hours=1)
-        session.add(Pass(id="late", state=PassState.DONE, opened_at=late))
-    rest = names(call, "/v1/passes", "passes", before=page["next"])
+def test_what_comes_while_a_list_is_read_moves_no_row_of_it(served):
+    fill(served)
+    with served.client() as call:
+        page = call.get("/v1/passes", params={"limit": 3}).json()
+        with served.store.change() as session:
+            late = NOON + timedelta(hours=1)
+            session.add(Pass(id="late", state=PassState.DONE, opened_at=late))
+        rest = names(call, "/v1/passes", "passes", before=page["next"])
     assert [each["id"] for each in page["passes"]] + rest == [
         f"p{number}" for number in reversed(range(ROWS))
     ]

@@ -141,3 +141,11 @@ def test_what_the_server_itself_says_is_a_line_like_all_others(served, lines):
     (said,) = [line for line in lines() if line.get("logger") == "uvicorn.error"]
     assert "Invalid HTTP request" in said["event"]
     assert (said["level"], said["process"]) == ("warning", "test")
+
+
+def test_a_trouble_is_logged_when_it_comes_and_names_no_call(served, call, lines):
+    call.get("/v1/station")
+    found = [line for line in lines() if line["event"] == "trouble"]
+    missing = {line["part"] for line in found if line["kind"] == "calibration_missing"}
+    assert missing == {"sensor left", "sensor right"}
+    assert not any("request" in line for line in found)

@@ -4,6 +4,7 @@ measures is shown with the worker."""
 from datetime import UTC, datetime
 
 import pytest
+from served_station import Served
 
 from station.store import (
     Calibration,
@@ -50,6 +51,19 @@ def a_recording(name, sensor="left", **more):
 @pytest.fixture
 def recorded(served):
     """A pass of two sensors, an upload, and what cannot be replayed."""
+    fill(served)
+
+
+@pytest.fixture(scope="module")
+def untouched(tmp_path_factory, empty_store):
+    """The same, of which the calls of several tests change nothing."""
+    served = Served(tmp_path_factory.mktemp("untouched"), empty_store)
+    fill(served)
+    yield served
+    served.close()
+
+
+def fill(served):
     with served.store.change() as session:
         session.add(Pass(id="p1", state=PassState.DONE, opened_at=NOON))
         session.add(Pass(id="p2", state=PassState.FAILED, opened_at=NOON))
@@ -180,13 +194,13 @@ LEFT = {"calibrations": {"left": "cl"}}
         (LEFT | {"recordings": ["upload.1"], "unknown": 1}, 422, "unknown"),
     ],
 )
-@pytest.mark.usefixtures("recorded")
 def test_what_cannot_be_measured_once_more_is_refused_and_leaves_no_job(
-    served, call, body, status, says
+    untouched, body, status, says
 ):
-    reply = call.post(PLACE, json=body)
-    assert reply.status_code == status, reply.text
-    assert says in reply.json()["detail"]
-    assert served.queue.submitted == []
-    assert call.get(PLACE).json()["replays"] == []
-    assert call.get("/v1/jobs").json()["jobs"] == []
+    with untouched.client() as call:
+        reply = call.post(PLACE, json=body)
+        assert reply.status_code == status, reply.text
+        assert says in reply.json()["detail"]
+        assert untouched.queue.submitted == []
+        assert call.get(PLACE).json()["replays"] == []
+        assert call.get("/v1/jobs").json()["jobs"] == []

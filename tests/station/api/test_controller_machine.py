@@ -277,6 +277,8 @@ class Controller(RuleBasedStateMachine):
         self.served.kill_and_begin_again(deeds)
         self.client = self.served.client()
         self.read(foreseen=False)
+        begun = [*self.model.passes.values(), *self.model.sessions.values()]
+        assert "armed" not in {known.state for known in begun}, "a start left something half done"
 
     def foreseen(self, asked, foresee):
         known = self.kept.get(asked.headers.get("Idempotency-Key"))

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select
 
-from station.bench import BENCHES, bench_service_kills
+from station.bench import BENCHES
 from station.bench.processes import parent_of
 from station.bench.service.kill_trials import Train, Trial, run_kills
 from station.bench.service.kills import table_of
@@ -24,6 +24,7 @@ from station.bench.service.small_sensor import (
     render_wheels,
 )
 from station.bench.service.station_process import StationProcess, Victim
+from station.cli.main import build_app, run
 from station.operations import DataLayout, utc_now
 from station.pipeline import measure_sources
 from station.progress import silent
@@ -249,5 +250,17 @@ def test_the_named_memory_of_a_station_is_found(station, tmp_path):
         named.unlink()
 
 
-def test_both_lengths_are_to_be_had_from_the_command_line():
-    assert BENCHES["service-kills"] == (bench_service_kills,)
+def test_both_lengths_are_to_be_had_from_the_command_line(monkeypatch, capsys):
+    asked = []
+
+    def bench(progress, *, full=False):
+        asked.append(full)
+        return table_of([GOOD], SHORT)
+
+    monkeypatch.setattr("station.cli.bench.bench_service_kills", bench)
+    monkeypatch.setitem(BENCHES, "service-kills", (bench,))
+    for options in ([], ["--full"]):
+        assert run(build_app("bench"), ["bench", "service-kills", "--json", *options]) == 0
+    assert asked == [False, True]
+    assert '"killed": "api"' in capsys.readouterr().out
+    assert run(build_app("bench"), ["bench", "service-kills", "--minutes", "1"]) == 2

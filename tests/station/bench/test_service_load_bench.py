@@ -5,9 +5,11 @@ import asyncio
 import threading
 import time
 
+import pytest
+
 from station.bench import BENCHES
-from station.bench.service.load import bench_service, calls_of
-from station.bench.service.open_loop import Call, Load, drive
+from station.bench.service.load import _Findings, _table, _Window, bench_service, calls_of
+from station.bench.service.open_loop import Answered, Call, Driven, Load, drive
 from station.progress import silent
 
 ANSWER = b"HTTP/1.1 200 OK\r\ncontent-length: 2\r\n\r\n{}"
@@ -75,8 +77,8 @@ def test_every_call_is_made_with_its_key_and_answered():
     assert {each.status for each in driven.answers} == {200}
     assert all(b"Authorization: Bearer the-key" in head for head in server.heads)
     puts = [each for each in driven.answers if each.name == "put"]
-    # Of 100 draws with a chance of a quarter: five sigmas of 4.3 about 25.
-    assert 4 <= len(puts) <= 46
+    # Of 98 draws with a chance of a quarter: five sigmas of 4.3 about 25; and the first of them.
+    assert 4 <= len(puts) <= 48
     assert driven.took_s >= 0.25
 
 
@@ -107,8 +109,52 @@ def test_calls_that_are_refused_or_cut_off_are_told_apart_from_answered_ones():
     assert [each.status for each in driven.answers] == [200, 503] + [0] * 8
 
 
-def test_the_bench_calls_a_station_that_records_and_measures_and_nothing_fails():
+def window(took_ms=5.0, status=200):
+    answers = [
+        Answered(call.name, status, took_ms, 0.0) for call in calls_of("", "") for _ in range(3)
+    ]
+    return _Window(Driven(tuple(answers), 0.1, 2.0), {"API": 0.5})
+
+
+def table_of(busy, late_s=(0.4, 0.6)):
+    calm, recording = window(), {"recorded": 107, "lost": 0, "refused": 0}
+    found = _Findings(calm, busy, calm, calm, [20.0], late_s, [0.5], recording, trains=1)
+    return _table(found, 2.0, 200.0)
+
+
+def test_the_bench_is_found_by_its_name():
     assert BENCHES["service"] == (bench_service,)
+
+
+def test_what_is_asked_holds_where_all_calls_and_readings_come_in_time():
+    table = table_of(window())
+    assert [row["holds"] for row in table.rows] == [True] * 8
+    assert [row["what"] for row in table.rows[:-1]] == [call.name for call in calls_of("", "")]
+    assert table.rows[-1]["max"] == 600.0
+    assert any("107 frames, lost 0" in note for note in table.notes)
+    assert any("API 25" in note for note in table.notes)
+
+
+def test_a_late_call_breaks_what_is_asked_of_its_kind():
+    rows = {row["what"]: row["holds"] for row in table_of(window(took_ms=30.0)).rows}
+    assert rows.pop("PUT pass, again")
+    assert rows.pop("a wheel's last frame to its reading")
+    assert not any(rows.values())
+
+
+def test_a_call_that_fails_breaks_what_is_asked_however_soon_it_was_refused():
+    rows = table_of(window(took_ms=1.0, status=503)).rows
+    assert [row["holds"] for row in rows] == [False] * 7 + [True]
+    assert [row["failed"] for row in rows] == [3] * 7 + [0]
+
+
+@pytest.mark.parametrize("late_s", [[0.4, 1.1], []], ids=["one late", "none at all"])
+def test_a_reading_that_is_late_or_never_comes_breaks_what_is_asked(late_s):
+    assert not table_of(window(), late_s).rows[-1]["holds"]
+
+
+@pytest.mark.slow  # some 15 s of two quiet cores: all processes of a station start
+def test_the_bench_calls_a_station_that_records_and_measures_and_nothing_fails():
     table = bench_service(silent, seconds=2.0, rate_hz=20.0, wheels=2)
     calls, (reading,) = table.rows[:-1], table.rows[-1:]
     assert [row["what"] for row in calls] == [call.name for call in calls_of("", "")]

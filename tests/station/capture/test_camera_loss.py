@@ -20,7 +20,7 @@ from capture_rig import (
 )
 
 from station.capture import CaptureState
-from station.recording import EventKind, events, verify
+from station.recording import EventKind, events, frames, verify
 from station.simulated import ArraySource, Faults, SimulatedCameraProcess
 
 NOTICED_WITHIN_S = 1.0
@@ -150,6 +150,8 @@ def kill_and_return(tmp_path, times):
         report = client.finish()
         camera.stop()
     assert verify(path).ok
+    numbers = [frame.frame_id for frame in frames(path)]
+    assert numbers == sorted(set(numbers))  # each is a key of what is measured in it
     assert sum(event.kind is EventKind.CAMERA_BACK for event in report.events) == times
     return noticed, back, footprints
 

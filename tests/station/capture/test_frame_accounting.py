@@ -122,6 +122,34 @@ def test_camera_opened_again_begins_to_count_anew(account):
     assert events == []
 
 
+def test_frames_of_a_camera_opened_again_are_numbered_on(account):
+    counts, events = account
+    counts.arrive(7, None)
+    for _ in range(2):
+        counts.begin_again()
+    counts.arrive(1, None)
+    counts.arrive(3, "timeout")
+    assert [counts.number(one) for one in (1, 2, 3)] == [8, 9, 10]
+    lost, refused = events[-2:]
+    assert (lost.frame_id, refused.frame_id) == (9, 10)
+    counts.begin_again()
+    assert counts.number(1) == 11
+
+
+def test_numbers_of_a_camera_opened_again_wrap_as_its_ids_do(account):
+    counts, _ = account
+    counts.arrive(65534, None)
+    counts.begin_again()
+    assert [counts.number(one) for one in (1, 2)] == [65535, 1]
+
+
+def test_numbers_of_64_bits_go_on_where_they_were(account):
+    counts, _ = account
+    counts.arrive(2**33, None)
+    counts.begin_again()
+    assert counts.number(1) == 2**33 + 1
+
+
 @given(st.integers(1, 900), st.lists(st.sampled_from(["whole", LOST, REFUSED]), max_size=60))
 def test_the_account_always_adds_up(first, fates):
     events = []

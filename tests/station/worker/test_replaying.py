@@ -1,8 +1,12 @@
 """Shows what a replay leaves in the store: new readings beside the old, none twice, each named; and
 that a killed worker goes on with it.  Which orders are refused is shown with the API."""
 
+from dataclasses import replace
+
 import pytest
+from rig_recordings import record_rig
 from test_worker_process import workers  # noqa: F401  a fixture
+from test_worker_rigs import BOTH, REAL, bring_true_rig_into_force
 from worker_double import WHEELS, SlowMathematics, a_calibration_document, a_rig_document
 
 from station.operations import ReplayOrder, cancel_job, order_replay, replay_view, utc_now
@@ -13,6 +17,7 @@ from station.store import (
     CalibrationState,
     Job,
     Pass,
+    Recording,
     Replay,
     RigCalibration,
     disposable_recordings,
@@ -150,6 +155,48 @@ def test_a_rig_measures_its_sensors_together_and_again_as_the_pass_did(ground, c
     assert {row.rig_calibration_id for row in rows(ground, replay=other.row.id)} == {"later"}
     assert {row.rig_calibration_id for row in wheels(ground, "p1")} == {first}
     assert len(wheels(ground, "p1")) == WHEELS
+
+
+def test_an_upload_of_a_pass_is_read_as_the_pass_was_bit_for_bit(
+    ground, context, station, rig_shots
+):
+    """By the real mathematics, on a rig; and the pass itself gets nothing new."""
+    record_rig(ground.layout.root, [rig_shots])
+    rig = bring_true_rig_into_force(ground, context)
+    real = replace(context, mathematics=REAL)
+    measure(real, ground.order_measuring("p1", sensors=BOTH, rig=rig))
+    with ground.store.change() as session:
+        for sensor in BOTH:
+            (ground.layout.root / f"copy-{sensor}.mcap").hardlink_to(
+                ground.layout.root / f"{sensor}.mcap"
+            )
+            session.add(an_upload(sensor))
+    same = {sensor: f"of-{sensor}" for sensor in BOTH}
+    uploads = [f"upload.{sensor}" for sensor in BOTH]
+    done = replay(real, order(station, recordings=uploads, rig_calibration=rig, calibrations=same))
+    assert (done.job.error, done.row.results) == (
+        None,
+        {"upload.inner": {"wheels": 1, "added": 1}},
+    )
+    (own,), (copied,) = wheels(ground, "p1"), rows(ground, replay=done.row.id)
+    assert own.wheel["flange_height"]["value"] is not None
+    assert copied.wheel | {"source": ""} == own.wheel | {"source": ""}
+    assert copied.pass_id is None
+    again = replay(real, order(station, pass_id="p1", rig_calibration=rig))
+    assert again.row.results == {"pass.p1.inner": {"wheels": 1, "added": 0}}
+
+
+def an_upload(sensor):
+    return Recording(
+        id=f"upload.{sensor}",
+        sensor=sensor,
+        path=f"copy-{sensor}.mcap",
+        opened_at=utc_now(),
+        closed_at=utc_now(),
+        recorded=2,
+        recovered=False,
+        sha256=sensor,
+    )
 
 
 def test_sensors_of_a_rig_measured_singly_do_not_stand_among_the_wheels_of_their_pass(
