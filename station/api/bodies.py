@@ -17,7 +17,10 @@ STREAMED: Final = frozenset({("POST", "/v1/recordings")})
 _READS: Final = frozenset({"GET", "HEAD"})
 _LENGTHS: Final = frozenset({"content-length", "transfer-encoding"})
 _DEEPEST: Final = 32
-_TWO_LENGTHS: Final = "the call has both Content-Length and Transfer-Encoding; send one, its body can be read two ways"
+_TWO_LENGTHS: Final = (
+    "the call has both Content-Length and Transfer-Encoding, "
+    "its body can be read in two ways; send one of them"
+)
 KB: Final = 1000
 
 

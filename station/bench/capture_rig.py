@@ -2,6 +2,7 @@
 
 import os
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ from station.capture import (
     start_capture,
 )
 from station.errors import CameraLost
-from station.recording import Rotation, frames
+from station.recording import EventKind, Rotation, events, frames
 from station.settings import SensorSettings
 from station.simulated import ArraySource, DeviceOptions, Faults, SimulatedCameraProcess
 
@@ -185,13 +186,21 @@ class Rig:
 def differing(paths: Sequence[Path], served: ArraySource) -> int:
     """Return how many frames of recordings are not what the camera served, pixel for pixel.
 
-    Only for a camera's first acquisition, whose ids tell which picture it was.
+    A camera that comes back begins anew with its pictures, while its frames are numbered on: the
+    first that came of it is taken for its first.
     """
-    return sum(
-        not np.array_equal(frame.picture, served.frame(frame.frame_id - 1, 0.0))
-        for path in paths
-        for frame in frames(path)
-    )
+    return sum(_differing(path, served) for path in paths)
+
+
+def _differing(path: Path, served: ArraySource) -> int:
+    back_ns = deque(each.time_ns for each in events(path) if each.kind is EventKind.CAMERA_BACK)
+    first, count = 1, 0
+    for frame in frames(path):
+        while back_ns and frame.host_time_ns > back_ns[0]:
+            back_ns.popleft()
+            first = frame.frame_id
+        count += not np.array_equal(frame.picture, served.frame(frame.frame_id - first, 0.0))
+    return count
 
 
 def wait_for_end(pid: int, patience_s: float = _END_S) -> None:

@@ -56,8 +56,9 @@ def keep_followed(
     wanted = [*certain, *early]
     pairs = zip(present, wanted, strict=False)
     same = len(list(takewhile(lambda pair: _alike(*pair), pairs)))
-    _unmark(session, present[:same])
-    _withdraw(session, present[same:])
+    if present:
+        _unmark(session, present[:same])
+        _withdraw(session, present[same:])
     add_measurements(session, wanted[same:])
     session.flush()
     _mark(session, [*present[:same], *wanted[same:]][len(certain) :])

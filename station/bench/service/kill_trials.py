@@ -1,5 +1,6 @@
 """Passes in the middle of which a process of the station is killed, and what they come to."""
 
+import os
 import tempfile
 import time
 from collections.abc import Generator, Sequence
@@ -26,6 +27,7 @@ from station.simulated import SimulatedCameraProcess
 from station.store import Store
 
 _NETWORK = "127.33"
+"""Simulated cameras listen here, at other addresses for benches side by side."""
 _PICTURES = 4
 _WHEEL_S = 0.12
 """From wheel to wheel: frames that follow each other more closely would count as one wheel."""
@@ -105,7 +107,7 @@ def run_kills(
 def stage_in(folder: Path, store_url: str | None = None) -> Generator[Stage]:
     """Run a station that has a calibration in force, before a camera that sees wheels."""
     pictures = KeptPictures.keep(render_wheels(_PICTURES), folder / "pictures.npy")
-    address = f"{_NETWORK}.{folder.stat().st_ino % 250 + 2}.{time.time_ns() % 250 + 2}"
+    address = f"{_NETWORK}.{os.getpid() % 250 + 2}.{folder.stat().st_ino % 250 + 2}"
     station = StationProcess(folder, _settings(address), SENSOR, store_url=store_url)
     bring_calibration_into_force(station.layout)
     store = Store.open(station.layout.store_url)

@@ -233,7 +233,7 @@ def test_camera_gone_and_back_goes_on_in_the_same_recording(tmp_path, path):
         report = client.finish(expected_frames=9)
         assert is_idle(client.status())
     assert (report.recorded, report.complete) == (9, False)
-    assert [frame.frame_id for frame in frames(path)] == [1, 2, 3, 4, 5, 1, 2, 3, 4]
+    assert [frame.frame_id for frame in frames(path)] == list(range(1, 10))
     assert {EventKind.CAMERA_LOST, EventKind.CAMERA_BACK} <= kinds(events(path))
     assert verify(path).ok
 
