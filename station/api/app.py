@@ -13,6 +13,7 @@ from station.api.idempotency import Idempotency
 from station.api.metrics import Metrics
 from station.api.parts import Parts
 from station.api.problems import PROBLEMS, answer_with_problems
+from station.api.remembered import Remembered
 from station.api.routes import ROUTERS
 from station.api.watch import Watch
 from station.operations import Passes, Sessions, Station, Uploads
@@ -48,6 +49,7 @@ def build_app(
     # The last one added is the first a call meets.
     app.add_middleware(Idempotency, station=station)
     app.add_middleware(Bodies, web=station.settings.web)
+    app.add_middleware(Remembered, store=station.store)
     app.add_middleware(Guard, gate=gate)
     app.add_middleware(Watch, metrics=metrics)
     return app

@@ -79,7 +79,6 @@ from station.store.lookups import (
     recordings_of,
     session_in_progress,
     the,
-    unfinished_passes,
     wheels_of,
 )
 from station.store.measurements import add_measurements, profiles_of
@@ -103,6 +102,7 @@ from station.store.recalibrations import (
 )
 from station.store.replay_tables import Replay, ReplayMeasurement
 from station.store.replays import measured_by, note_measured, recordings_replayed, replays_page
+from station.store.revisions import Revisions
 from station.store.states import (
     CALIBRATION,
     JOB,
@@ -198,6 +198,7 @@ __all__ = [
     "SessionState",
     "Span",
     "Standing",
+    "Revisions",
     "Store",
     "Table",
     "Transitions",
@@ -283,7 +284,6 @@ __all__ = [
     "start",
     "the",
     "unfinished_jobs",
-    "unfinished_passes",
     "uploaded_recordings",
     "usable",
     "used_lately",

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from station.errors import StoreUnusable
 from station.store.connecting import looking, open_engine
+from station.store.revisions import Revisions
 
 
 def sqlite_url(path: Path) -> str:
@@ -59,6 +60,10 @@ class Store:
         """Ask the database for something, so that one out of reach shows."""
         with self.look() as session:
             session.execute(text("SELECT 1"))
+
+    def revisions(self) -> Revisions:
+        """Return what tells whether the store has changed."""
+        return Revisions(self._engine.url)
 
     def close(self) -> None:
         """Give the connections back."""

@@ -14,6 +14,7 @@ from station.api.callers import Operator, Reader
 from station.api.list_answers import JobsPage
 from station.api.paging import Before, cursor_in
 from station.api.parts import Parts, PartsOf
+from station.api.remembered import from_the_store
 from station.api.requests import CallersId, IdInPath, Limit
 from station.operations import cancel_job
 from station.store import JOB, Job, JobKind, JobState, jobs_page, the
@@ -38,6 +39,7 @@ JobOf = Annotated[JobModel, Depends(_job)]
 
 
 @router.get("")
+@from_the_store
 def list_jobs(
     parts: PartsOf,
     _: Reader,
@@ -63,6 +65,7 @@ def list_jobs(
 
 
 @router.get(_ONE)
+@from_the_store
 def get_job(job: JobOf, _: Reader) -> JobModel:
     """Return the state and progress of a job."""
     return job

@@ -10,6 +10,7 @@ from station.api.callers import Operator, Reader
 from station.api.list_answers import PassesPage
 from station.api.paging import Before, Since, Until, cursor_in, span_of
 from station.api.parts import PartsOf
+from station.api.remembered import from_the_store
 from station.api.requests import (
     FinishRequest,
     IdInPath,
@@ -28,6 +29,7 @@ _ONE = "/{pass_id}"
 
 
 @router.get("")
+@from_the_store
 def list_passes(
     parts: PartsOf,
     _: Reader,
@@ -92,12 +94,14 @@ def finish_pass(
 
 
 @router.get(_ONE)
+@from_the_store
 def get_pass(pass_id: IdInPath, parts: PartsOf, _: Reader) -> PassModel:
     """Return the state of a pass and how its frames add up."""
     return PassModel.of(parts.passes.view(pass_id))
 
 
 @router.get(f"{_ONE}/wheels")
+@from_the_store
 def get_wheels(pass_id: IdInPath, parts: PartsOf, _: Reader) -> WheelsModel:
     """Return the wheels of a pass, those measured so far, and its axles once all are."""
     return WheelsModel.of(parts.passes.wheels(pass_id))

@@ -12,6 +12,7 @@ from station.api.list_answers import RecordingsPage
 from station.api.paging import Before, Since, Until, cursor_in, span_of
 from station.api.parts import PartsOf
 from station.api.receiving import receive_upload
+from station.api.remembered import from_the_store
 from station.api.requests import CallersId, Limit, RecordingInPath
 from station.operations import recording_file
 from station.settings import SensorId
@@ -21,6 +22,7 @@ router = APIRouter(prefix="/v1/recordings", tags=["recordings"])
 
 
 @router.get("")
+@from_the_store
 def list_recordings(
     parts: PartsOf,
     _: Reader,
@@ -49,6 +51,7 @@ def list_recordings(
 
 
 @router.get("/{recording_id}")
+@from_the_store
 def get_recording(recording_id: RecordingInPath, parts: PartsOf, _: Reader) -> RecordingModel:
     """Return one recording and how its frames add up."""
     with parts.station.store.look() as session:

@@ -15,6 +15,7 @@ from station.api.measured_tables import (
     table_of,
 )
 from station.api.parts import PartsOf
+from station.api.remembered import from_the_store
 from station.api.requests import CallersId, Limit, WheelsetId
 from station.api.wheel_answers import MeasurementModel, MeasurementsPage
 from station.settings import SensorId
@@ -28,6 +29,7 @@ _TABLES = {media: {"schema": {"type": "string"}} for media in MEDIA_TYPE.values(
 
 
 @router.get("", response_model=MeasurementsPage, responses={200: {"content": _TABLES}})
+@from_the_store
 def list_measurements(
     request: Request,
     parts: PartsOf,
@@ -86,6 +88,7 @@ def _table(request: Request, content: bytes, form: Form, following: int | None) 
 
 
 @router.get("/{measurement_id}")
+@from_the_store
 def get_measurement(measurement_id: _ID, parts: PartsOf, _: Reader) -> MeasurementModel:
     """Return one measurement with its profile."""
     with parts.station.store.look() as session:

@@ -9,6 +9,7 @@ from station.api.callers import Calibrator, Reader
 from station.api.list_answers import SessionsPage
 from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
+from station.api.remembered import from_the_store
 from station.api.requests import IdInPath, Limit, SessionRequest
 from station.operations import SessionOrder
 from station.settings import SensorId
@@ -20,6 +21,7 @@ _ONE = "/{session_id}"
 
 
 @router.get("")
+@from_the_store
 def list_sessions(
     parts: PartsOf,
     _: Reader,
@@ -71,6 +73,7 @@ def finish_session(session_id: IdInPath, parts: PartsOf, _: Calibrator, by: By) 
 
 
 @router.get(_ONE)
+@from_the_store
 def get_session(session_id: IdInPath, parts: PartsOf, _: Reader) -> SessionModel:
     """Return the state of a session and how many pictures it has."""
     return SessionModel.of(parts.sessions.view(session_id))

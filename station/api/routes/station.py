@@ -7,6 +7,7 @@ from fastapi import APIRouter
 from station.api.callers import Reader
 from station.api.health_answers import StationAlarmModel
 from station.api.parts import PartsOf
+from station.api.remembered import for_a_moment
 from station.api.station_answers import RigModel, SensorModel, StationModel
 from station.errors import StationError
 from station.operations import Station
@@ -24,6 +25,7 @@ router = APIRouter(prefix="/v1", tags=["station"])
 
 
 @router.get("/station")
+@for_a_moment
 def get_station(parts: PartsOf, _: Reader) -> StationModel:
     """Return the sensors, their states and rigs, the version, the disk, and what is wrong."""
     station = parts.station

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Query
 
 from station.api.callers import Reader
 from station.api.parts import PartsOf
+from station.api.remembered import from_the_store
 from station.api.requests import WheelsetInPath
 from station.api.train_answers import WheelsetTrendModel
 from station.limits import limits_of
@@ -15,6 +16,7 @@ router = APIRouter(prefix="/v1/wheelsets/{wheelset_id}", tags=["measurements"])
 
 
 @router.get("/trend")
+@from_the_store
 def get_trend(
     wheelset_id: WheelsetInPath,
     parts: PartsOf,
