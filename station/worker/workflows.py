@@ -34,7 +34,9 @@ from station.worker.replay_workflows import register_replaying
 from station.worker.replaying import fail_replay
 
 _MOST_ATTEMPTS = 5
-_POLLING_S = 0.1
+_POLLING_S, _SELDOM_POLLING_S = 0.1, 0.5
+"""How often each queue is looked into: readings are waited for.  Looking ten times a second into
+those of all kinds of jobs took a seventh of a core of a station at rest."""
 _GIVEN_UP = {"ERROR", "CANCELLED", "MAX_RECOVERY_ATTEMPTS_EXCEEDED"}
 _FAIL: dict[JobKind, Callable[[WorkContext, str, str], None]] = {
     JobKind.CALIBRATE: fail_calibration,
@@ -74,7 +76,8 @@ class Workflows:
         """Start the engine: what a killed worker left is taken up at once."""
         DBOS.launch()
         for kind in JobKind:
-            DBOS.register_queue(kind.value, worker_concurrency=1, polling_interval_sec=_POLLING_S)
+            often_s = _POLLING_S if kind is JobKind.MEASURE else _SELDOM_POLLING_S
+            DBOS.register_queue(kind.value, worker_concurrency=1, polling_interval_sec=often_s)
 
     def take_in(self) -> None:
         """Bring store and engine together: queue what nobody queued, end what was given up."""
