@@ -44,9 +44,9 @@ class _Window:
     driven: Driven
     core_s: Mapping[str, float]
 
-    def of(self, name: str) -> list[Answered]:
-        """Return the calls of one kind."""
-        return [each for each in self.driven.answers if each.name == name]
+    def of(self, kind: str) -> list[Answered]:
+        """Return the calls of a kind, or of all that begin with it."""
+        return [each for each in self.driven.answers if each.name.startswith(kind)]
 
     @property
     def rate_hz(self) -> float:
@@ -213,7 +213,8 @@ def calls_of(pass_id: str, job_id: str) -> tuple[Call, ...]:
 
 
 def _table(findings: _Findings, seconds: float, rate_hz: float) -> Table:
-    rows = [_row(name, findings) for name in (call.name for call in calls_of("", ""))]
+    rows = [_row("GET, all", "GET", findings)]
+    rows += [_row(call.name, call.name, findings) for call in calls_of("", "")]
     rows += [
         _reading_row("a wheel's last frame to its reading", findings.late_s, findings.late_behind_s)
     ]
@@ -242,13 +243,13 @@ def _cores(window: _Window) -> str:
     return ", ".join(f"{part} {percent:.0f}" for part, percent in percents.items())
 
 
-def _row(name: str, findings: _Findings) -> dict[str, Value]:
-    limit_ms = ASKED_PUT_MS if name.startswith("PUT") else ASKED_GET_MS
-    answers = findings.busy.of(name)
+def _row(what: str, kind: str, findings: _Findings) -> dict[str, Value]:
+    limit_ms = ASKED_PUT_MS if kind.startswith("PUT") else ASKED_GET_MS
+    answers = findings.busy.of(kind)
     took_ms = [each.took_ms for each in answers]
     refused = sum(each.status != 200 for each in answers)
     return {
-        "what": name,
+        "what": what,
         "count": len(took_ms),
         "p50": _percentile(took_ms, 50.0),
         "p99": _late(took_ms),
@@ -256,9 +257,9 @@ def _row(name: str, findings: _Findings) -> dict[str, Value]:
         "failed": refused,
         "asked": f"p99 <= {limit_ms:g}",
         "holds": bool(_late(took_ms) <= limit_ms) and refused == 0,
-        "p99 idle": _late([each.took_ms for each in findings.idle.of(name)]),
-        "p99 behind": _late([each.took_ms for each in findings.behind.of(name)]),
-        "p99 bare app": _late([each.took_ms for each in findings.peer.of(name)]),
+        "p99 idle": _late([each.took_ms for each in findings.idle.of(kind)]),
+        "p99 behind": _late([each.took_ms for each in findings.behind.of(kind)]),
+        "p99 bare app": _late([each.took_ms for each in findings.peer.of(kind)]),
     }
 
 

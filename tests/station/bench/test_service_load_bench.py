@@ -128,8 +128,11 @@ def test_the_bench_is_found_by_its_name():
 
 def test_what_is_asked_holds_where_all_calls_and_readings_come_in_time():
     table = table_of(window())
-    assert [row["holds"] for row in table.rows] == [True] * 8
-    assert [row["what"] for row in table.rows[:-1]] == [call.name for call in calls_of("", "")]
+    assert [row["holds"] for row in table.rows] == [True] * 9
+    kinds = [row["what"] for row in table.rows[1:-1]]
+    assert kinds == [call.name for call in calls_of("", "")]
+    gets = [row["count"] for row in table.rows[1:-1] if row["what"].startswith("GET")]
+    assert (table.rows[0]["what"], table.rows[0]["count"]) == ("GET, all", sum(gets))
     assert table.rows[-1]["max"] == 600.0
     assert any("107 frames, lost 0" in note for note in table.notes)
     assert any("API 25" in note for note in table.notes)
@@ -144,8 +147,8 @@ def test_a_late_call_breaks_what_is_asked_of_its_kind():
 
 def test_a_call_that_fails_breaks_what_is_asked_however_soon_it_was_refused():
     rows = table_of(window(took_ms=1.0, status=503)).rows
-    assert [row["holds"] for row in rows] == [False] * 7 + [True]
-    assert [row["failed"] for row in rows] == [3] * 7 + [0]
+    assert [row["holds"] for row in rows] == [False] * 8 + [True]
+    assert [row["failed"] for row in rows] == [18, *[3] * 7, 0]
 
 
 @pytest.mark.parametrize("late_s", [[0.4, 1.1], []], ids=["one late", "none at all"])
