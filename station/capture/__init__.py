@@ -1,6 +1,7 @@
 """The driver and the recorder: frames from the camera into a recording, each accounted for."""
 
 from station.capture.client import CaptureClient, start_capture
+from station.capture.interruption import Interruption
 from station.capture.plan import CaptureReport, ExposureStep, RecordingPlan, Trigger
 from station.capture.status import CaptureState, CaptureStatus
 
@@ -10,6 +11,7 @@ __all__ = [
     "CaptureState",
     "CaptureStatus",
     "ExposureStep",
+    "Interruption",
     "RecordingPlan",
     "Trigger",
     "start_capture",

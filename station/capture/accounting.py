@@ -7,6 +7,7 @@ every buffer's status a success.  Only the ids tell.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from station.capture.interruption import Interruption
 from station.recording import Event, EventKind, id_after, ids_skipped
 
 _PLAUSIBLE_FIRST_LOSS = 1000
@@ -29,6 +30,8 @@ class FrameAccount:
     lost: int = 0
     refused: int = 0
     repeated: int = 0
+    earlier: int = 0
+    """Frames that a capture process which is gone had recorded; not in `arrived`, `recorded`."""
     _last_id: int | None = field(default=None, init=False)
     _before: int = field(default=0, init=False)
     _dropped: list[int] = field(default_factory=list, init=False)
@@ -36,7 +39,7 @@ class FrameAccount:
     @property
     def accounted(self) -> int:
         """Frames whose fate is known, or that are on their way to the disk."""
-        return self.arrived + self.lost + self.refused
+        return self.earlier + self.arrived + self.lost + self.refused
 
     def arrive(self, frame_id: int | None, flaw: str | None) -> bool:
         """Take a frame into account; return whether it is to be recorded.
@@ -98,6 +101,10 @@ class FrameAccount:
     def begin_again(self) -> None:
         """Expect the ids of a camera that was opened again: they begin anew."""
         self._before, self._last_id = self._last_number, None
+
+    def go_on(self, interruption: Interruption) -> None:
+        """Take frames into account that are there already; expect ids that begin anew."""
+        self.earlier, self._before = interruption.frames, interruption.last_frame_id
 
     @property
     def _last_number(self) -> int:

@@ -221,7 +221,7 @@ class Intake:
 
     def compare(self, frames: int) -> None:
         """Take into account that the file holds fewer frames than were said to be written."""
-        missing = self.account.recorded - frames
+        missing = self.account.earlier + self.account.recorded - frames
         if missing > 0:
             self.account.retract(missing)
             detail = "given up for the end of the file, the disk being full"

@@ -15,7 +15,7 @@ from station import errors
 from station.capture.plan import RecordingPlan
 from station.capture.ring import Ring
 from station.errors import RecordingError, StationError
-from station.recording import Event, active_path, info, left_behind
+from station.recording import Event, active_path, info, left_behind, part_path
 
 _START_TIMEOUT_S = 20.0
 _FINISH_TIMEOUT_S = 60.0
@@ -104,6 +104,7 @@ class RecorderLink:
             "attachments": {name: content.hex() for name, content in plan.attachments.items()},
             "rotation": asdict(plan.rotation),
             "reserve_bytes": plan.reserve_bytes,
+            "files_before": 0 if plan.goes_on is None else plan.goes_on.files,
         }
         self._paths = (plan.path,)
         self.ensure_alive()
@@ -120,7 +121,8 @@ class RecorderLink:
             # Killed at this very moment; nothing is in the file yet that another could not write.
             self._close()
             self._start()
-            begun = active_path(self._paths[0]).exists()
+            first = part_path(self._paths[0], self._opening["files_before"] + 1)
+            begun = active_path(first).exists()
             self._ask({**self._opening, "resume": begun}, _START_TIMEOUT_S)
 
     def ensure_alive(self) -> None:

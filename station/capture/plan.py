@@ -7,6 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+from station.capture.interruption import Interruption
 from station.recording import LOSSES, Event, EventKind, Rotation
 
 _REASONS = LOSSES & {
@@ -68,6 +69,8 @@ class RecordingPlan:
     """When the recording goes on in a next file; in one file without."""
     reserve_bytes: int = 0
     """Space on the disk that no frame takes."""
+    goes_on: Interruption | None = None
+    """What is there already, where a process that is gone had begun the recording."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "trigger", Trigger(self.trigger))
@@ -97,6 +100,7 @@ class RecordingPlan:
             "sequence": [asdict(step) for step in self.sequence],
             "rotation": asdict(self.rotation),
             "reserve_bytes": self.reserve_bytes,
+            "goes_on": None if self.goes_on is None else self.goes_on.to_json(),
         }
 
     @classmethod
@@ -106,10 +110,12 @@ class RecordingPlan:
             name: base64.b64decode(content) for name, content in fields["attachments"].items()
         }
         rotation = Rotation(**fields.get("rotation", {}))
+        before = fields.get("goes_on")
         known = {
             "path": Path(fields["path"]),
             "attachments": attachments,
             "rotation": rotation,
+            "goes_on": None if before is None else Interruption.from_json(before),
             "sequence": tuple(ExposureStep(**step) for step in fields.get("sequence", ())),
         }
         return cls(**{**fields, **known})
@@ -141,6 +147,11 @@ class CaptureReport:
         object.__setattr__(self, "paths", tuple(self.paths) or (self.path,))
 
     @property
+    def interrupted(self) -> bool:
+        """Whether the capture process had died in the middle and another went on."""
+        return any(event.kind is EventKind.CAPTURE_BACK for event in self.events)
+
+    @property
     def complete(self) -> bool:
         """Every frame that was triggered is in the file, and nothing is unexplained."""
         kinds = {event.kind for event in self.events}
@@ -158,6 +169,7 @@ class CaptureReport:
         parts += [f"{self.refused} refused"] if self.refused else []
         parts += [f"{self.repeated} repeated"] if self.repeated else []
         parts += [f"{self.resent_packets} packets resent"] if self.resent_packets else []
+        parts += ["gone on with after the capture process died"] if self.interrupted else []
         why = dict.fromkeys(e.kind.replace("_", " ") for e in self.events if e.kind in _REASONS)
         verdict = "" if self.complete else "; not complete" + "".join(f", {each}" for each in why)
         return f"{self.path}: {', '.join(parts)}{verdict}"

@@ -94,6 +94,7 @@ class Recorder:
             camera=None if document is None else partial(CameraNumbers.of_calibration, document),
             reserve_bytes=order["reserve_bytes"],
             resume=order["resume"],
+            files_before=order["files_before"],
         )
         return self._writer.entries_found
 

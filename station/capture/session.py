@@ -49,13 +49,15 @@ class CaptureSession:
         self.intake = Intake(
             link, range(ring.slots), plan.frames, exposure_of=self.sequencer.values_of
         )
+        if plan.goes_on is not None:
+            self.intake.account.go_on(plan.goes_on)
         try:
             self._start(camera)
         except StationError:
             link.discard()
             raise
         self._started_s = time.monotonic()
-        self.intake.note(Event(EventKind.STARTED, time.time_ns(), plan.session_id))
+        self._note_beginning()
         self._say_warnings(camera)
 
     @property
@@ -143,6 +145,13 @@ class CaptureSession:
         self._close_file(self._report(triggered))
         return self._report(triggered)
 
+    def _note_beginning(self) -> None:
+        now_ns, before = time.time_ns(), self.plan.goes_on
+        if before is None:
+            self.intake.note(Event(EventKind.STARTED, now_ns, self.plan.session_id))
+        else:
+            self.intake.note(before.event(now_ns))
+
     def _start(self, camera: Camera) -> None:
         free = self.intake.free_slots
         exposure_us = camera.exposure_us
@@ -213,7 +222,7 @@ class CaptureSession:
             path=self.plan.path,
             paths=self._link.paths,
             triggered=triggered,
-            recorded=account.recorded,
+            recorded=account.earlier + account.recorded,
             lost=account.lost,
             refused=account.refused,
             repeated=account.repeated,

@@ -39,6 +39,7 @@ class CaptureStatus:
     silent_s: float | None = None
     """How long ago its last frame came, or the recording began where none has come."""
     recorded: int = 0
+    """By this process; one that goes on with a recording counts its own frames here."""
     lost: int = 0
     refused: int = 0
     repeated: int = 0

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
-from station.capture import ExposureStep, RecordingPlan, Trigger
+from station.capture import ExposureStep, Interruption, RecordingPlan, Trigger
 from station.errors import StateConflict, StationError
 from station.operations.collaborators import Station
 from station.operations.strays import close_strays
@@ -106,8 +106,17 @@ def rig_in_force(session: Session, settings: StationSettings, sensor: str) -> st
     return None if activation is None else activation.rig_calibration_id
 
 
-def arm(station: Station, recording: Recording, *, owner: str, trigger: Trigger) -> None:
+def arm(
+    station: Station,
+    recording: Recording,
+    *,
+    owner: str,
+    trigger: Trigger,
+    before: Interruption | None = None,
+) -> None:
     """Have the capture process of a recording's sensor wait for triggers and record.
+
+    Where there is something of the recording from `before`, it goes on behind that.
 
     Raises
     ------
@@ -126,6 +135,7 @@ def arm(station: Station, recording: Recording, *, owner: str, trigger: Trigger)
         reserve_bytes=round(station.settings.storage.reserve_mb * 1e6),
         metadata=_metadata(station, recording),
         attachments=_attachments(station, recording),
+        goes_on=before,
     )
     capture = station.captures[recording.sensor]
     try:

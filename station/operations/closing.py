@@ -37,7 +37,7 @@ class Closed:
             repeated=report.repeated,
             refused=report.refused,
             complete=report.complete,
-            recovered=False,
+            recovered=report.interrupted,
             files=len(report.paths),
             summary=report.summary().removeprefix(f"{report.path}: "),
         )
@@ -70,7 +70,7 @@ class Closed:
             repeated=said.repeated,
             refused=said.refused,
             complete=said.complete and expected in {None, found.frames},
-            recovered=False,
+            recovered=found.interruptions > 0,
             files=found.files,
             summary=f"{found.summary}, {said.lost + missing} lost, as the file itself says",
         )

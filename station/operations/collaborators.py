@@ -44,6 +44,12 @@ class Salvaged:
     files: int = 1
     account: "FileAccount | None" = None
     """Where the capture had finished the recording and said in it how its frames add up."""
+    interruptions: int = 0
+    """How often another capture process had gone on with it."""
+    last_frame_id: int | None = None
+    """Of the last frame; None where there is none, or it cannot be read."""
+    last_frame_ns: int | None = None
+    """When that was received, UTC."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from station.operations.collaborators import Capture, Station
 from station.operations.hearing import Heard, Hearing
 from station.operations.overdue import why_pass_overdue, why_session_overdue
 from station.operations.passes import Passes
+from station.operations.rejoining import is_idle
 from station.operations.session_orders import SessionView, session_view
 from station.operations.sessions import Sessions
 from station.operations.strays import close_strays
@@ -75,8 +76,14 @@ class Lifetimes:
             return
         limits = self._station.settings.controller
         why = why_pass_overdue(heard, limits, self._station.now())
-        if why is not None and self._passes.end_overdue(row.id, why):
+        if why is None:
+            self._rejoin_idle(view, statuses)
+        elif self._passes.end_overdue(row.id, why):
             _log.warning("pass ended by itself", why=why)
+
+    def _rejoin_idle(self, view: PassView, statuses: Statuses) -> None:
+        if any(is_idle(statuses.get(each.sensor)) for each in view.recordings):
+            self._passes.rejoin(view.row.id, statuses)
 
     def _look_at_session(self, view: SessionView, statuses: Statuses) -> None:
         row = view.row

@@ -6,18 +6,18 @@ from threading import Lock
 
 from sqlalchemy.orm import Session
 
-from station.capture import Trigger
+from station.capture import CaptureStatus, Trigger
 from station.errors import StationError
 from station.operations.arming import (
     arm,
-    calibration_in_force,
     ensure_sensors_free,
     ensure_space_for_pass,
-    rig_in_force,
 )
+from station.operations.beginning import begin_pass, clear_empty, may_begin_again
 from station.operations.collaborators import Station
 from station.operations.counts import Counted, take_counts
 from station.operations.ending import end_pass, fail_pass, note_own_end, step
+from station.operations.rejoining import Rejoining
 from station.operations.repeats import ensure_same
 from station.operations.sensors import sensor_given
 from station.operations.views import PassView, PassWheels, view_of
@@ -48,6 +48,7 @@ class Passes:
         # Closing takes as long as the last frames: a second finish waits and gets the same answer,
         # and a time-out that falls together with it finds the pass ended.
         self._closing = Lock()
+        self._rejoining = Rejoining(station)
         self._arming: set[str] = set()
         """Passes that a call is arming the sensors for."""
 
@@ -80,13 +81,15 @@ class Passes:
     def open(
         self, pass_id: str, *, train: str | None, by: Actor, consist: Consist | None = None
     ) -> tuple[PassView, bool]:
-        """Arm every sensor for a train; return the pass and whether it is new.
+        """Arm every sensor for a train; return the pass and whether that was done now.
+
+        One that failed as a sensor did not arm, and of which nothing is recorded, begins again.
 
         Raises
         ------
         StateConflict
-            If another recording runs, this pass has failed, or its id names another train or
-            consist.
+            If another recording runs, this pass has failed later, or its id names another train
+            or consist.
         DiskFull
             If the longest pass would not fit on the disk; the id stays free.
         CameraError, RecordingError
@@ -103,13 +106,14 @@ class Passes:
                 return opened, False
             ensure_sensors_free(session, self._station.sensors, f"pass {pass_id}")
             ensure_space_for_pass(self._station)
-            view = self._add(session, pass_id, train, consist)
+            again = session.get(Pass, pass_id) is not None
+            view = begin_pass(self._station, session, pass_id, train, consist)
             told = {"train": train}
             now = self._station.now()
             audit(session, Action.ARM, "pass", pass_id, by=by, at=now, after=told)
             self._arming.add(pass_id)  # before anybody else can see the row
         try:
-            return self._record(view, view.recordings), True
+            return self._record(view, view.recordings, again=again), True
         finally:
             self._arming.discard(pass_id)
 
@@ -159,6 +163,13 @@ class Passes:
                 end_pass(self._station, pass_id)
             return ends
 
+    def rejoin(self, pass_id: str, statuses: Mapping[str, CaptureStatus | None]) -> None:
+        """Have sensors that stand idle beside a pass which goes on record the rest of it."""
+        with self._closing:
+            view = self.view(pass_id)
+            if view.row.state is PassState.RECORDING and view.row.ended_by is None:
+                self._rejoining.rejoin(view.recordings, statuses)
+
     def take_up(self) -> None:
         """Go on, after a start, with the passes that were open when the station stopped."""
         with self._station.store.look() as session:
@@ -190,10 +201,12 @@ class Passes:
                 with suppress(StationError):  # the pass has failed, and says so
                     self._record(view, silent)
 
-    def _record(self, view: PassView, unarmed: Sequence[Recording]) -> PassView:
+    def _record(
+        self, view: PassView, unarmed: Sequence[Recording], *, again: bool = False
+    ) -> PassView:
         """Arm the sensors of recordings, and say that the pass is recorded."""
         try:
-            at_a_time(self._arm, unarmed)
+            at_a_time(self._arm_again if again else self._arm, unarmed)
         except StationError as error:
             fail_pass(self._station, view, f"not armed: {error}")
             raise
@@ -205,6 +218,10 @@ class Passes:
         sensor = sensor_given(self._station.settings, recording.sensor)
         owner = recording.pass_id or ""
         arm(self._station, recording, owner=owner, trigger=Trigger(sensor.trigger))
+
+    def _arm_again(self, recording: Recording) -> None:
+        clear_empty(self._station, recording)
+        self._arm(recording)
 
     def _tell(self, pass_id: str, told: Counted, by: Actor) -> PassView:
         """Write down what a finish tells, and that it ends a pass that had not ended."""
@@ -227,35 +244,6 @@ class Passes:
                 keep_axles(session, row, self._station.settings)
             return view
 
-    def _add(
-        self, session: Session, pass_id: str, train: str | None, consist: Consist | None
-    ) -> PassView:
-        now = self._station.now()
-        row = Pass(
-            id=pass_id,
-            state=PassState.ARMED,
-            train=train,
-            opened_at=now,
-            consist=None if consist is None else consist.to_json(),
-        )
-        session.add(row)
-        recordings = [
-            Recording(
-                # With "pass." before it, as a calibration session may bear the same name.
-                id=f"pass.{pass_id}.{sensor.id}",
-                sensor=sensor.id,
-                pass_id=pass_id,
-                path=str(self._station.layout.pass_recording(pass_id, sensor.id)),
-                opened_at=now,
-                calibration_id=calibration_in_force(session, sensor.id),
-                rig_calibration_id=rig_in_force(session, self._station.settings, sensor.id),
-                recovered=False,
-            )
-            for sensor in self._station.sensors
-        ]
-        session.add_all(recordings)
-        return PassView(row, recordings)
-
     def _still_records(self, recording: Recording) -> bool:
         capture = self._station.captures.get(recording.sensor)
         try:
@@ -267,9 +255,10 @@ class Passes:
 def _opened(
     session: Session, pass_id: str, train: str | None, consist: Consist | None
 ) -> PassView | None:
-    """Return the pass that an earlier call opened, or None."""
-    known = session.get(Pass, pass_id)
-    if known is None:
+    """Return the pass that an earlier call opened; None where there is none, or it begins again."""
+    if session.get(Pass, pass_id) is None:
         return None
-    ensure_same(known, train, consist)
-    return view_of(session, pass_id)
+    view = view_of(session, pass_id)
+    again = may_begin_again(view)
+    ensure_same(view.row, train, consist, again=again)
+    return None if again else view

@@ -5,8 +5,12 @@ from station.store import JsonObject, Pass, PassState
 from station.trains import Consist, Named
 
 
-def ensure_same(known: Pass, train: str | None, consist: Consist | None) -> None:
+def ensure_same(
+    known: Pass, train: str | None, consist: Consist | None, *, again: bool = False
+) -> None:
     """Let a call to open a pass come once more, if it says the same.
+
+    One that has failed stays so, unless it may begin `again`.
 
     Raises
     ------
@@ -22,7 +26,7 @@ def ensure_same(known: Pass, train: str | None, consist: Consist | None) -> None
     coming = known.consist is not None and known.consist["named"] == Named.COMING
     if consist is not None or coming:
         ensure_consist(known, consist, same_call=True)
-    if known.state is PassState.FAILED:
+    if known.state is PassState.FAILED and not again:
         raise StateConflict(
             f"pass {known.id} is {known.state} ({known.reason}); open a new one under a new id",
             state=known.state,

@@ -1,12 +1,21 @@
 """Making whole what a capture process left when it died."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from station.errors import InputUnusable, StateConflict
+from station.errors import InputUnusable, StateConflict, StationError
 from station.operations.collaborators import FileAccount, Salvaged
-from station.recording import ACCOUNTING, active_path, info, left_behind, recover
+from station.recording import (
+    ACCOUNTING,
+    CONTINUED_IN,
+    ListedFrame,
+    active_path,
+    info,
+    left_behind,
+    list_frames,
+    recover,
+)
 
 _PATIENCE_S = 15.0
 _PAUSE_S = 0.1
@@ -32,13 +41,26 @@ def salvage_recording(path: Path, sleep: Callable[[float], None] = time.sleep) -
         return None
     found = [info(part) for part in parts]
     frames = sum(sensor.frames for one in found for sensor in one.sensors)
+    said = [one.metadata.get(ACCOUNTING, {}) for one in found]
+    last = _last_frame(parts, frames)
     files = "" if len(parts) == 1 else f" in {len(parts)} files"
     return Salvaged(
         frames=frames,
         summary=f"{frames} frames saved{files}",
         files=len(parts),
-        account=_account_in(found[-1].metadata.get(ACCOUNTING, {}), frames),
+        account=_account_in(said[-1], frames),
+        # A file that goes on in a next one says so, unless whoever wrote it did not live to.
+        interruptions=sum(CONTINUED_IN not in each for each in said[:-1]),
+        last_frame_id=None if last is None else last.frame_id,
+        last_frame_ns=None if last is None else last.host_time_ns,
     )
+
+
+def _last_frame(parts: Sequence[Path], frames: int) -> ListedFrame | None:
+    try:
+        return next(iter(list_frames(parts, after=max(frames - 1, 0), most=1)), None)
+    except StationError:
+        return None  # what is whole of it counts all the same
 
 
 def _account_in(said: Mapping[str, str], frames: int) -> FileAccount | None:

@@ -11,6 +11,7 @@ from station.recording.growing import GrowingRecording
 from station.recording.info import RecordingInfo, SensorInfo, info
 from station.recording.parts import (
     ACCOUNTING,
+    CONTINUED_IN,
     left_behind,
     part_path,
     parts_of,
@@ -26,6 +27,7 @@ from station.recording.writer import RecordingSummary, RecordingWriter
 __all__ = [
     "ACCOUNTING",
     "ACTIVE",
+    "CONTINUED_IN",
     "LOSSES",
     "BEGINNING",
     "CameraNumbers",

@@ -52,6 +52,8 @@ class EventKind(StrEnum):
     """The recorder died and another went on with its file."""
     CAPTURE_LOST = "capture_lost"
     """The capture process died; the recorder finished the file."""
+    CAPTURE_BACK = "capture_back"
+    """Another capture process goes on; what was exposed in between is lost or unknown."""
     RECORDER_FAILED = "recorder_failed"
     """Nothing more could be written; the file ends here."""
     DISK_FULL = "disk_full"
@@ -70,6 +72,7 @@ LOSSES = frozenset({
     EventKind.CAMERA_LOST,
     EventKind.CAMERA_TAKEN,
     EventKind.CAPTURE_LOST,
+    EventKind.CAPTURE_BACK,
     EventKind.DISK_FULL,
     EventKind.RECORDER_FAILED,
     EventKind.RECOVERED,
@@ -90,7 +93,8 @@ EVENT_SCHEMA = json.dumps({
         "detail": {"type": "string"},
         "values": {
             "type": "object",
-            "description": "of an `exposed` frame: exposure_us, gain_db, laser, group, step",
+            "description": "of an `exposed` frame: exposure_us, gain_db, laser, group, step; "
+            "of `capture_back`: since_ns, until_ns",
         },
     },
     "required": ["kind", "frame_id", "count", "detail"],

@@ -90,9 +90,10 @@ def _following(part: Path, place: tuple[Path, int], said: dict[str, dict[str, st
     first, number = place
     number = max(number, _number(said))
     ends_here = ACCOUNTING in said and CONTINUED_IN not in said[ACCOUNTING]
-    if ends_here:
-        return None
     by_name = part_path(first, number + 1)
+    if ends_here:
+        # Or so its process had thought, which was told to end: another may have gone on since.
+        return by_name if by_name.exists() and _goes_on(said, by_name, number) else None
     named = part.with_name(said.get(ACCOUNTING, {}).get(CONTINUED_IN, by_name.name))
     for candidate in (named, by_name):
         if candidate.exists() and _goes_on(said, candidate, number):

@@ -83,13 +83,15 @@ class RotatingWriter:
         Gives the camera model in force, which every file has; asked when a file begins.
     resume
         Go on with the unfinished files of a writer that died.
+    files_before
+        Finished files of the recording that it goes on behind, written by somebody else.
     now_ns, clock_s
         This host's clock, UTC in ns; and one that only runs forward, s.
 
     Raises
     ------
     InputUnusable
-        If a file of that name, or of a next part of it, exists.
+        If a file of the name to begin with, or of a next part of it, exists.
     """
 
     def __init__(
@@ -103,6 +105,7 @@ class RotatingWriter:
         camera: Callable[[], CameraNumbers] | None = None,
         reserve_bytes: int = 0,
         resume: bool = False,
+        files_before: int = 0,
         now_ns: Callable[[], int] = time.time_ns,
         clock_s: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -115,14 +118,16 @@ class RotatingWriter:
         self._closing: threading.Thread | None = None
         self._first_frame_s: float | None = None
         self._not_before_s = 0.0
-        self._number = 1
+        self._files_before, self._number = files_before, files_before + 1
         self.entries_found = 0
         """Frames and events that the writer that died had been told to write."""
         if resume:
             self._writer = self._take_over()
         else:
-            _refuse_leftovers(path)
-            self._writer = self._begun(1)
+            _refuse_leftovers(path, self._number + 1)
+            earlier = (part_path(path, number) for number in range(1, self._number))
+            self._finished = [_summary_of(part) for part in earlier]
+            self._writer = self._begun(self._number)
 
     def write_frame(
         self,
@@ -271,7 +276,8 @@ class RotatingWriter:
                 self._close_left_behind(part)
             else:
                 self._finished.append(_summary_of(part))
-            self.entries_found += _entries_in(part, self._sensor)
+            if place > self._files_before:
+                self.entries_found += _entries_in(part, self._sensor)
         self._number = number
         writer = RecordingWriter(
             last,
@@ -297,12 +303,12 @@ class RotatingWriter:
         self._finished.append(writer.finish())
 
 
-def _refuse_leftovers(path: Path) -> None:
-    following = part_path(path, 2)
+def _refuse_leftovers(path: Path, number: int) -> None:
+    following = part_path(path, number)
     for left in (following, active_path(following)):
         if left.exists():
             raise InputUnusable(
-                f"{left} exists: it would pass for the second part of {path.name}; move it away or "
+                f"{left} exists: it would pass for part {number} of {path.name}; move it away or "
                 "choose a new name"
             )
 

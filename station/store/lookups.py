@@ -10,7 +10,7 @@ from station.errors import NotFound
 from station.store.paging import Page, Row, page_of
 from station.store.recalibration_tables import Recalibration
 from station.store.replay_tables import Replay, ReplayMeasurement
-from station.store.states import PASS, SESSION, PassState, SessionState
+from station.store.states import SESSION, PassState, SessionState
 from station.store.tables import (
     AxleWheel,
     Calibration,
@@ -94,13 +94,6 @@ def wheels_of(session: Session, owner: Pass) -> Sequence[Measurement]:
     for row in found:
         firsts.setdefault((row.recording_id, row.frame), row)
     return list(firsts.values())
-
-
-def unfinished_passes(session: Session) -> Sequence[Pass]:
-    """Return the passes that something is still to happen to, oldest first."""
-    return session.scalars(
-        select(Pass).where(Pass.state.in_(PASS.unfinished)).order_by(Pass.opened_at)
-    ).all()
 
 
 def open_sessions(session: Session) -> Sequence[CalibrationSession]:

@@ -125,7 +125,8 @@ PASS = Transitions(
             PassState.RECORDED,
         }),
         PassState.DONE: frozenset(),
-        PassState.FAILED: frozenset(),
+        # Armed again: nothing was recorded of it, and its controller tries once more.
+        PassState.FAILED: frozenset({PassState.ARMED}),
         PassState.RECOVERED: frozenset(),
     },
 )
@@ -145,6 +146,7 @@ done, recovered
     Measured, or no wheel came; `recovered` is `done` from a recording that a crash had cut short.
 failed
     A sensor did not arm, no frame was recorded, or the measuring failed.  What was recorded stays.
+    The first alone, and only without a frame, leads back: to armed, by the same call again.
 
 What the controller counted and named may come as long as it has not come: also after the end.
 """

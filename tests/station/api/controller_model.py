@@ -7,9 +7,7 @@ the sensors do is read from their doubles, which are the outside world.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from trackside import TrueCapture, frames_in
-
-from station.recording import active_path
+from trackside import TrueCapture, frames_of
 
 SENSORS = ("left", "right")
 IN_PROGRESS = {"armed", "recording"}
@@ -27,6 +25,12 @@ class KnownPass:
     axles: int | None = None
     ended: bool = False
     """Somebody ended it; one that could not be armed nobody did."""
+    blank: bool = True
+    """No frame of it is accounted for."""
+
+    @property
+    def begins_again(self):
+        return self.state == "failed" and not self.ended and self.blank
 
 
 @dataclass
@@ -65,10 +69,12 @@ class Model:
     def put_pass(self, name, train, consist):
         known = self.passes.get(name)
         if known is not None:
-            return self._repeated_pass(known, train, consist)
+            repeated = self._repeated_pass(known, train, consist)
+            if not known.begins_again or not self._same_pass(known, train, consist):
+                return repeated
         if self._pass_in_progress() or any(self._session_on(sensor) for sensor in SENSORS):
             return 409
-        refusals = [self._arming_refused(sensor) for sensor in SENSORS]
+        refusals = [self._beginning_refused(name, sensor) for sensor in SENSORS]
         new = KnownPass(train, consist, consist is not None, calibrated=tuple(self.in_force))
         new.state = "failed" if any(refusals) else "recording"
         self.passes[name] = new
@@ -90,10 +96,14 @@ class Model:
         return 200
 
     def _repeated_pass(self, known, train, consist):
+        same = self._same_pass(known, train, consist)
+        return 200 if same and known.state != "failed" else 409
+
+    def _same_pass(self, known, train, consist):
         same = known.train == train
         if consist is not None or (known.consist is not None and known.named_coming):
             same = same and known.consist == consist
-        return 200 if same and known.state != "failed" else 409
+        return same
 
     def _closed(self, name, known, axles):
         frames = {sensor: self.frames_of("passes", name, sensor) for sensor in SENSORS}
@@ -208,8 +218,12 @@ class Model:
         runs = capture.plan is not None and capture.plan.path == path
         if runs and not capture.reachable:
             return 0
-        files = [file for file in (active_path(path), path) if file.exists()]
-        return frames_in(files[0]) if files else 0
+        return frames_of(path)
+
+    def _beginning_refused(self, name, sensor):
+        """A frame under a pass that failed is never put at risk."""
+        path = self.root / "recordings" / "passes" / name / f"{sensor}.mcap"
+        return self._arming_refused(sensor) or (409 if frames_of(path) else 0)
 
     def _arming_refused(self, sensor):
         return 0 if self.captures[sensor].reachable else 503

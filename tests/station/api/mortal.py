@@ -49,6 +49,7 @@ class _MortalStore:
     def __init__(self, store, life):
         self._store, self._life = store, life
         self.look, self.ensure_answers = store.look, store.ensure_answers
+        self.revisions = store.revisions
 
     @contextmanager
     def change(self):

@@ -139,10 +139,31 @@ def test_a_sensor_that_does_not_arm_fails_the_pass_and_frees_the_other(served, c
     assert call.get("/v1/passes/p1").json()["state"] == "failed"
 
     served.captures["right"].broken = None
-    again = call.put("/v1/passes/p1", json={})
+    again = call.put("/v1/passes/p1", json={})  # the left one had seen wheels by then
     assert (again.status_code, again.json()["state"]) == (409, "failed")
     assert call.post("/v1/passes/p1/finish", json={}).status_code == 409
     assert call.put("/v1/passes/p2", json={}).status_code == 201
+
+
+def test_a_pass_of_which_nothing_was_recorded_is_armed_by_the_same_call_again(served, call):
+    served.captures["left"].wheels = 0
+    served.captures["right"].broken = "127.0.0.3: no camera answers"
+    body = {"train": "IC 5", "consist": ["w1", "w2"]}
+    for _ in range(2):
+        assert call.put("/v1/passes/p1", json=body).status_code == 503
+    served.captures["left"].wheels, served.captures["right"].broken = 4, None
+    put_calibration_in_force(served, "left")
+    assert call.put("/v1/passes/p1", json=body | {"train": "IC 6"}).status_code == 409
+    assert call.put("/v1/passes/p1", json={"train": "IC 5"}).status_code == 409
+    reply = call.put("/v1/passes/p1", json=body)
+    assert (reply.status_code, reply.json()["state"]) == (201, "recording")
+    assert (reply.json()["reason"], reply.json()["finished_at"]) == (None, None)
+    left = reply.json()["recordings"][0]
+    assert (left["recorded"], left["calibration"] is None) == (None, False)
+    assert call.put("/v1/passes/p1", json=body).status_code == 200
+    assert call.post("/v1/passes/p1/finish", json={"axles": 4}).json()["state"] == "measuring"
+    told = call.get("/v1/audit", params={"subject": "p1"}).json()["entries"]
+    assert [each["action"] for each in told] == ["finish", "arm", "arm", "arm"]
 
 
 def test_with_a_calibration_in_force_a_finished_pass_is_given_to_the_worker(served, call):
@@ -173,6 +194,7 @@ def test_axles_without_any_frame_fail_the_pass(served, call):
     body = call.post("/v1/passes/p1/finish", json={"axles": 4}).json()
     assert body["state"] == "failed"
     assert "no frame was recorded" in body["reason"]
+    assert call.put("/v1/passes/p1", json={}).status_code == 409  # it had been recorded
 
 
 def test_triggers_of_a_single_sensor_win_over_the_axles(call):

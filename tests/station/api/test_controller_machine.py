@@ -27,7 +27,7 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from trackside import Trackside
+from trackside import Trackside, files_of
 from trackside_truths import History, ensure_files_and_rows_agree, ensure_one_at_a_time
 
 from station.store import (
@@ -60,6 +60,7 @@ KEYS = st.sampled_from([None, None, "k1", "k2", "k3"])
 HOW = st.sampled_from(["plain", "plain", "plain", "twice", "half", "unread", "dying"])
 DEEDS = st.integers(0, 6)
 REFUSED_AT_ONCE, FAILED = 300, 500
+MOST_PARTS = 3
 
 
 class Controller(RuleBasedStateMachine):
@@ -178,6 +179,24 @@ class Controller(RuleBasedStateMachine):
     @rule(sensor=SENSOR)
     def capture_process_dies(self, sensor):
         self.served.captures[sensor].die()
+
+    @rule()
+    def station_looks(self):
+        """A sensor whose process died, and that is there again, goes on with the pass."""
+        self.served.look()
+        for name, known in self.model.passes.items():
+            if known.state == "recording":
+                self.ensure_all_record(name)
+        self.read()
+
+    def ensure_all_record(self, name):
+        """Each sensor that is there records the pass, unless it died too often in it."""
+        for sensor, capture in self.served.captures.items():
+            path = self.model.root / "recordings" / "passes" / name / f"{sensor}.mcap"
+            often = len(files_of(path)) > MOST_PARTS
+            if capture.reachable and not often:
+                assert capture.plan is not None, sensor
+                assert capture.plan.path == path
 
     @rule(deeds=st.one_of(st.none(), DEEDS))
     def api_dies_at_rest(self, deeds):
@@ -341,6 +360,7 @@ class Controller(RuleBasedStateMachine):
                 job=row.job_id,
                 axles=row.axles,
                 ended=row.ended_by is not None,
+                blank=not any(each.recorded for each in recordings),
             )
 
     def read_sessions(self, session, *, foreseen):

@@ -15,8 +15,8 @@ from served_station import ADMIN_KEY, Served
 from station.api import build_app
 from station.capture import CaptureReport, CaptureState, CaptureStatus
 from station.errors import CameraUnreachable, InputUnusable, StateConflict
-from station.operations import Passes, Salvaged, Sessions
-from station.recording import active_path
+from station.operations import Lifetimes, Passes, Salvaged, Sessions
+from station.recording import active_path, left_behind, part_path
 
 
 @dataclass
@@ -26,8 +26,8 @@ class TrueCapture:
     sensor: str
     plan: object = None
     reachable: bool = True
-    began: list[Path] = field(default_factory=list)
-    """Every recording that was begun, in order."""
+    filled: list[Path] = field(default_factory=list)
+    """Every file that a first frame went into, in order."""
     refused: list[Path] = field(default_factory=list)
     """Every recording that was to begin while another one ran."""
     unheard: set[Path] = field(default_factory=set)
@@ -49,11 +49,11 @@ class TrueCapture:
         if self.plan is not None:
             self.refused.append(plan.path)
             raise StateConflict("a recording runs already", state="recording")
-        if plan.path.exists() or active_path(plan.path).exists():
-            raise InputUnusable(f"{plan.path} exists; recordings are not overwritten")
-        active_path(plan.path).touch(exist_ok=False)
+        file = file_of(plan)
+        if file.exists() or active_path(file).exists():
+            raise InputUnusable(f"{file} exists; recordings are not overwritten")
+        active_path(file).touch(exist_ok=False)
         self.plan = plan
-        self.began.append(plan.path)
 
     def trigger(self):
         self._ensure_reachable()
@@ -68,9 +68,13 @@ class TrueCapture:
         self._ensure_reachable()
         if self.plan is None:
             raise StateConflict("nothing is recorded", state="idle")
-        path, frames = self.plan.path, self.frames
-        active_path(path).rename(path)
-        self.plan = None
+        plan, self.plan = self.plan, None
+        active_path(file_of(plan)).rename(file_of(plan))
+        path, before = plan.path, plan.goes_on
+        frames = frames_of(path)
+        numbered = 0 if before is None else before.frames
+        assert frames >= numbered, "told of more frames than there are"
+        back = () if before is None else (before.event(1),)
         return CaptureReport(
             path=path,
             triggered=expected_frames,
@@ -81,17 +85,20 @@ class TrueCapture:
             resent_packets=0,
             first_time_ns=None,
             last_time_ns=None,
-            events=(),
+            paths=tuple(files_of(path)),
+            events=back,
         )
 
     @property
     def frames(self) -> int:
-        return 0 if self.plan is None else frames_in(active_path(self.plan.path))
+        return 0 if self.plan is None else frames_in(active_path(file_of(self.plan)))
 
     def wheel(self) -> None:
         """Something comes before the camera: a frame, where it records."""
         if self.plan is not None:
-            with active_path(self.plan.path).open("a") as file:
+            if not self.frames:
+                self.filled.append(file_of(self.plan))
+            with active_path(file_of(self.plan)).open("a") as file:
                 file.write("frame\n")
 
     def die(self) -> None:
@@ -104,8 +111,24 @@ class TrueCapture:
 
 
 def frames_in(file: Path) -> int:
-    """How many frames a recording of the doubles holds."""
+    """How many frames a file of the doubles holds."""
     return len(file.read_text().splitlines())
+
+
+def file_of(plan) -> Path:
+    """The file that a plan writes first: that of the recording, or the next where it goes on."""
+    return part_path(plan.path, 1 if plan.goes_on is None else plan.goes_on.files + 1)
+
+
+def files_of(path: Path) -> list[Path]:
+    """The files of a recording as they are called now."""
+    parts = [part for _, part in left_behind(path)]
+    return [active_path(part) if active_path(part).exists() else part for part in parts]
+
+
+def frames_of(path: Path) -> int:
+    """How many frames a recording of the doubles holds."""
+    return sum(frames_in(file) for file in files_of(path))
 
 
 class Trackside(Served):
@@ -122,13 +145,28 @@ class Trackside(Served):
         return mortal(self.station, self.life)
 
     def _salvage(self, path):
-        if active_path(path).exists():
+        files = files_of(path)
+        if not files:
+            return None
+        last = part_path(path, len(files))
+        if active_path(last).exists():
             if any(each.plan and each.plan.path == path for each in self.captures.values()):
                 raise StateConflict(f"{path} is still being written; is its disk stuck?")
-            active_path(path).rename(path)
-        if not path.exists():
-            return None
-        return Salvaged(frames_in(path), f"{frames_in(path)} frames saved")
+            active_path(last).rename(last)
+        frames = frames_of(path)
+        return Salvaged(
+            frames,
+            f"{frames} frames saved",
+            files=len(files),
+            interruptions=len(files) - 1,
+            last_frame_id=frames or None,
+            last_frame_ns=1 if frames else None,
+        )
+
+    def look(self) -> None:
+        """Have the API process look at what goes on, as it does about once a second."""
+        parts = self.app.state.parts
+        Lifetimes(parts.station, parts.passes, parts.sessions).look()
 
     def kill_and_begin_again(self, deeds_while_starting: int | None = None) -> None:
         """Kill the API process and start the next; that one may die while it takes things up."""

@@ -1,8 +1,8 @@
 """What must be true of a station at every moment, whatever was asked of it."""
 
-from trackside import frames_in
+from trackside import frames_of
 
-from station.recording import active_path
+from station.recording import active_path, left_behind
 from station.store import JOB, PASS, SESSION, CalibrationSession, Job, Pass, Recording
 
 _TABLES = ((Pass, PASS), (CalibrationSession, SESSION), (Job, JOB))
@@ -22,15 +22,18 @@ def ensure_files_and_rows_agree(served):
         file.with_name(file.name.removesuffix(".active")): file
         for file in (root / "recordings").rglob("*.mcap*")
     }
-    assert set(files) <= set(rows), "a file that no row names"
+    named = {part for path in rows for _, part in left_behind(path)}
+    assert set(files) <= named, "a file that no row names"
     for capture in served.captures.values():
-        assert set(capture.began) <= set(files), "a recording whose file is lost"
-        assert len(capture.began) == len(set(capture.began)), "a recording that was made twice"
+        assert set(capture.filled) <= set(files), "a recording whose file is lost"
+        assert len(capture.filled) == len(set(capture.filled)), "a recording that was made twice"
     for path, row in rows.items():
         if row.closed_at is not None and path not in unheard:
-            there = frames_in(files[path]) if path in files else 0
+            there = frames_of(path)
             assert row.recorded == there, (row.id, row.recorded, there)
-            assert not active_path(path).exists(), f"{row.id} is closed and still written"
+            assert not any(active_path(part).exists() for _, part in left_behind(path)), (
+                f"{row.id} is closed and still written"
+            )
 
 
 def ensure_one_at_a_time(served):
@@ -57,6 +60,7 @@ class History:
         self._seen = {}
         self._ended = {}
         self._held = {}
+        self._over = set()
 
     def note(self, served):
         """Hold what is there now against what was there before."""
@@ -73,9 +77,17 @@ class History:
         before = self._seen.get(key, row.state)
         assert row.state in reachable(transitions, before), (key, before, row.state)
         self._seen[key] = row.state
+        if row.state == "failed" and getattr(row, "ended_by", None) is not None:
+            self._over.add(key)
+        assert key not in self._over or row.state == "failed", f"{key} had ended"
 
     def _note_account(self, row):
-        """What was once accounted for stays as it was; a count may be told later, once."""
+        """What was once accounted for stays as it was; a count may be told later, once.
+
+        A recording that has no frame may be made once more.
+        """
+        if not self._ended.get(row.id, (None, 0))[1] and row.id not in self._held:
+            self._ended.pop(row.id, None)
         if row.closed_at is None:
             assert row.id not in self._ended, f"{row.id} was closed and runs again"
             return

@@ -215,9 +215,27 @@ def test_next_file_that_cannot_be_begun_leaves_the_frames_in_the_present_one(
 def test_file_that_would_pass_for_the_second_part_is_refused_at_the_start(path, pictures):
     record(path, pictures).finish({})
     path.unlink()
-    with pytest.raises(InputUnusable, match="would pass for the second part of a.mcap"):
+    with pytest.raises(InputUnusable, match="would pass for part 2 of a.mcap"):
         writer_of(path, Clock())
     assert not active_path(path).exists()
+
+
+@pytest.mark.parametrize("accounting", [None, {"recorded": "2"}])
+def test_another_writer_goes_on_behind_finished_files(path, pictures, accounting):
+    first = writer_of(path, Clock())
+    write_all(first, pictures[:2], 1)
+    first.finish(accounting)  # as whoever was killed, or was told to end
+    clock = Clock()
+    second = writer_of(path, clock, files_before=1)
+    write(second, 3, pictures[2])
+    clock.now_s += 2.0
+    write(second, 4, pictures[3])
+    summary = second.finish({"recorded": "4"})
+    assert summary.frames == 4
+    assert [ids_in(part) for part in parts_of(path)] == [[1, 2], [3], [4]]
+    assert summary.paths == parts_of(path)
+    with pytest.raises(InputUnusable, match="would pass for part 3 of a.mcap"):
+        writer_of(path, Clock(), files_before=1)
 
 
 def test_missing_part_is_named_wherever_it_is(path, pictures):

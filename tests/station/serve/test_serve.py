@@ -15,6 +15,7 @@ import httpx
 import numpy as np
 import pytest
 
+from station.recording import EventKind, events, frames, parts_of
 from station.simulated import ArraySource, SimulatedCamera
 
 ADDRESS = "127.23.0.2"
@@ -183,6 +184,27 @@ def test_what_a_killed_capture_process_had_recorded_is_kept(service, camera, cal
     call.put("/v1/passes/after", json={})
     trigger(camera, 2)
     assert finish(call, "after", 2)["recordings"][0]["complete"]
+
+
+def test_a_capture_process_killed_under_a_train_costs_the_wheels_of_that_time_alone(
+    service, camera, call
+):
+    path = service.folder / "data/recordings/passes/rest/left.mcap"
+    call.put("/v1/passes/rest", json={})
+    trigger(camera, 3)
+    service.kill_and_wait("capture left")
+    wait(path.with_name("left.0002.mcap.active").exists, "the sensor to be armed again")
+    wait(camera.trigger_line1, "the camera to wait for triggers")  # the first of three
+    trigger(camera, 2)
+    (recording,) = finish(call, "rest", 8)["recordings"]
+    assert (recording["recorded"], recording["lost"], recording["recovered"]) == (6, 2, True)
+    assert not recording["complete"]
+    assert "gone on with after the capture process died" in recording["summary"]
+    first, second = parts_of(path)
+    numbers = [frame.frame_id for part in (first, second) for frame in frames(part)]
+    assert numbers == [1, 2, 3, 4, 5, 6]
+    (back,) = (each for each in events(second) if each.kind is EventKind.CAPTURE_BACK)
+    assert "after frame 3" in back.detail
 
 
 def test_a_job_outlives_the_worker_process(service, call):

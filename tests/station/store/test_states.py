@@ -26,6 +26,7 @@ ALLOWED = {
     ("measuring", "recovered"),
     ("measuring", "failed"),
     ("measuring", "recorded"),
+    ("failed", "armed"),
 }
 
 
