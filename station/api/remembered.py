@@ -1,13 +1,14 @@
 """Answers that are still true are given again: who polls asks the same, and mostly nothing changed.
 
-An answer that was made of the store alone is true until somebody changes the store, which SQLite
-tells at the cost of microseconds.  On PostgreSQL nothing tells it, and every answer is made anew.
+An answer that was made of the store alone is true until somebody writes to a table that was read
+for it, which SQLite tells at the cost of microseconds.  On PostgreSQL nothing tells it, and every
+answer is made anew.
 """
 
 import asyncio
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
@@ -15,7 +16,7 @@ from typing import Any, Final, TypeVar
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from station.store import Revisions, Store
+from station.store import Revision, Revisions, Store, tables_read
 
 _Endpoint = TypeVar("_Endpoint", bound=Callable[..., Any])
 _GOOD_FOR_S: Final[dict[Callable[..., Any] | None, float]] = {}
@@ -42,7 +43,7 @@ def for_a_moment(endpoint: _Endpoint) -> _Endpoint:
 
 @dataclass(frozen=True, slots=True)
 class _Kept:
-    revision: int
+    made_of: Mapping[str, int]
     until_s: float
     route: Any
     headers: tuple[tuple[bytes, bytes], ...]
@@ -56,7 +57,7 @@ class Remembered:
         self._app = app
         self._revisions: Revisions = store.revisions()
         self._kept: OrderedDict[_Key, _Kept] = OrderedDict()
-        self._being_made: dict[tuple[_Key, int], asyncio.Future[None]] = {}
+        self._being_made: dict[tuple[_Key, Revision], asyncio.Future[None]] = {}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         key = _key_of(scope)
@@ -72,17 +73,19 @@ class Remembered:
             return
         with self._making(key, revision):
             answer = _Answer(send)
-            await self._app(scope, receive, answer.watched)
+            with tables_read() as tables:
+                await self._app(scope, receive, answer.watched)
             route = scope.get("route")
             good_for_s = _GOOD_FOR_S.get(getattr(route, "endpoint", None))
             if good_for_s is not None and answer.headers is not None:
                 until_s = time.monotonic() + good_for_s
                 # Of before the store was read: what changed meanwhile has another number.
-                found = _Kept(revision, until_s, route, answer.headers, bytes(answer.body))
+                made_of = revision.of(tables)
+                found = _Kept(made_of, until_s, route, answer.headers, bytes(answer.body))
                 self._keep(key, found)
 
     @contextmanager
-    def _making(self, key: _Key, revision: int) -> Generator[None]:
+    def _making(self, key: _Key, revision: Revision) -> Generator[None]:
         """Let others wait for an answer that is kept; whether it is, its last time tells."""
         if key not in self._kept or (key, revision) in self._being_made:
             yield
@@ -94,7 +97,7 @@ class Remembered:
             del self._being_made[key, revision]
             done.set_result(None)
 
-    async def _made_by_another(self, key: _Key, revision: int) -> _Kept | None:
+    async def _made_by_another(self, key: _Key, revision: Revision) -> _Kept | None:
         """Return what another call is just being answered with; None where there is none."""
         making = self._being_made.get((key, revision))
         if making is None:
@@ -102,9 +105,11 @@ class Remembered:
         await asyncio.shield(making)
         return self._still_true(key, revision)
 
-    def _still_true(self, key: _Key, revision: int) -> _Kept | None:
+    def _still_true(self, key: _Key, revision: Revision) -> _Kept | None:
         kept = self._kept.get(key)
-        if kept is None or kept.revision != revision or time.monotonic() >= kept.until_s:
+        if kept is None or time.monotonic() >= kept.until_s:
+            return None
+        if kept.made_of != revision.of(kept.made_of):
             return None
         self._kept.move_to_end(key)
         return kept

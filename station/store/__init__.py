@@ -102,7 +102,7 @@ from station.store.recalibrations import (
 )
 from station.store.replay_tables import Replay, ReplayMeasurement
 from station.store.replays import measured_by, note_measured, recordings_replayed, replays_page
-from station.store.revisions import Revisions
+from station.store.revisions import Revision, Revisions
 from station.store.states import (
     CALIBRATION,
     JOB,
@@ -136,6 +136,7 @@ from station.store.tables import (
     RigCalibration,
     Table,
 )
+from station.store.touched import tables_read
 from station.store.watched import (
     MeasuredPass,
     WheelsSeen,
@@ -198,7 +199,9 @@ __all__ = [
     "SessionState",
     "Span",
     "Standing",
+    "Revision",
     "Revisions",
+    "tables_read",
     "Store",
     "Table",
     "Transitions",

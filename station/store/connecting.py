@@ -11,6 +11,7 @@ from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
 from sqlalchemy.exc import ArgumentError
 
 from station.errors import InputUnusable
+from station.store.touched import watch
 
 WAIT_MS = 10_000
 """How long a change waits for its turn."""
@@ -58,6 +59,7 @@ def open_engine(url: str) -> Engine:
         engine = create_engine(parsed, **common)
         event.listen(engine, "connect", _set_up_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
+        watch(engine)
         return engine
     engine = create_engine(
         parsed,
@@ -70,6 +72,7 @@ def open_engine(url: str) -> Engine:
         },
     )
     event.listen(engine, "begin", _begin_postgresql)
+    watch(engine)
     return engine
 
 

@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session, sessionmaker
 from station.errors import StoreUnusable
 from station.store.connecting import looking, open_engine
 from station.store.revisions import Revisions
+from station.store.touched import count_changes
 
 
 def sqlite_url(path: Path) -> str:
@@ -43,6 +44,7 @@ class Store:
         """
         with _reached(), self._change.begin() as session:
             yield session
+            count_changes(session)
 
     @contextmanager
     def look(self) -> Generator[Session]:

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 from served_station import Served
 
-from station.store import Pass, Scope, Store, migrate
+from station.store import JobKind, Pass, Scope, Store, add_job, migrate
 
 
 class Looks:
@@ -104,6 +104,7 @@ def test_nobody_without_a_key_is_answered_from_memory(served, call, looks):
     with served.client(None) as stranger:
         assert stranger.get("/v1/passes/p1").status_code == 401
     with served.client(served.key(Scope.READ)) as reader:
+        reader.get("/v1/jobs").raise_for_status()  # the key is known from here on
         answer, looked = looks.of(lambda: reader.get("/v1/passes/p1"))
         assert answer.status_code == 200
         assert looked > 0  # callers with other scopes are not given each other's answers
@@ -163,16 +164,21 @@ def test_postgresql_is_asked_every_time(postgres, tmp_path):
     assert looked > 0
 
 
-def test_a_revision_is_another_one_after_each_change_and_unknown_without_a_store(served):
-    with served.store.revisions() as revisions:
-        first = revisions.now()
-        assert revisions.now() == first
-        with sqlite3.connect(served.layout.root / "station.sqlite") as other:
-            other.execute("UPDATE passes SET train = NULL")
-            other.execute("INSERT INTO kept_answers VALUES ('a', 'b', 'c', '2026', 1, '{}', x'')")
-        other.close()
-        assert revisions.now() != first
-    with Store.open(
-        f"sqlite:///{served.layout.root / 'none' / 'store.sqlite'}"
-    ).revisions() as none:
-        assert none.now() is None
+def test_a_change_of_what_an_answer_is_not_made_of_leaves_it_alone(served, call, looks):
+    call.get("/v1/passes/p1").raise_for_status()
+    call.get("/v1/jobs").raise_for_status()
+    with served.store.change() as session:
+        add_job(session, "j1", JobKind.COMPACT, "all", at=served.station.now())
+    _, looked = looks.of(lambda: call.get("/v1/passes/p1"))
+    jobs, looked_for_jobs = looks.of(lambda: call.get("/v1/jobs"))
+    assert looked == 0
+    assert looked_for_jobs > 0
+    assert [each["id"] for each in jobs.json()["jobs"]] == ["j1"]
+
+
+def test_a_change_by_a_hand_that_says_nothing_is_seen_too(served, call, looks):
+    assert call.get("/v1/passes/p1").json()["train"] == "ICE 1"
+    with sqlite3.connect(served.layout.root / "station.sqlite") as somebody:
+        somebody.execute("UPDATE passes SET train = 'ICE 2'")
+    somebody.close()
+    assert call.get("/v1/passes/p1").json()["train"] == "ICE 2"

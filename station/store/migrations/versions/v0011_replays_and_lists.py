@@ -83,11 +83,10 @@ def downgrade() -> None:
 
 
 def _ensure_one_reference() -> None:
-    # Every word of these statements is this file's own, hence S608 below.
     key = "recording_id, frame, calibration_id, coalesce(rig_calibration_id, '')"
-    firsts = f"SELECT min(id) FROM measurements GROUP BY {key}"  # noqa: S608
-    others = f"SELECT id FROM measurements WHERE id NOT IN ({firsts})"  # noqa: S608
-    if not op.get_bind().scalar(sa.text(f"SELECT count(*) FROM ({others}) AS several")):  # noqa: S608
+    firsts = f"SELECT min(id) FROM measurements GROUP BY {key}"  # noqa: S608  this file's own words
+    others = f"SELECT id FROM measurements WHERE id NOT IN ({firsts})"  # noqa: S608  this file's own words
+    if not op.get_bind().scalar(sa.text(f"SELECT count(*) FROM ({others}) AS several")):  # noqa: S608  this file's own words
         return
     if not context.config.attributes.get("losing"):
         raise StationError(
@@ -95,8 +94,8 @@ def _ensure_one_reference() -> None:
             "cannot hold; make a backup, then go back with losing=True"
         )
     for table in ("replay_measurements", "measurement_profiles", "axle_wheels"):
-        op.execute(f"DELETE FROM {table} WHERE measurement_id IN ({others})")  # noqa: S608
-    op.execute(f"DELETE FROM measurements WHERE id IN ({others})")  # noqa: S608
+        op.execute(f"DELETE FROM {table} WHERE measurement_id IN ({others})")  # noqa: S608  this file's own words
+    op.execute(f"DELETE FROM measurements WHERE id IN ({others})")  # noqa: S608  this file's own words
 
 
 def _create_unique(name: str, columns: list[str], null: str) -> None:
