@@ -11,7 +11,8 @@ from station.capture.stream import FrameStream, ReceivedFrame
 from station.errors import DiskFull, RecordingError, StationError
 from station.recording import Event, EventKind
 
-_POP_TIMEOUT_US = 10_000
+_POP_TIMEOUT_US = 4_000
+"""Orders, as for the status, wait for so long at most, and readers of `/v1/station` with them."""
 _UNDERRUN_INTERVAL_S = 1.0
 _MOST_RESTARTS = 10
 

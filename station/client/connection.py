@@ -22,7 +22,6 @@ Content = Callable[[], Iterator[bytes]]
 
 _LATER = frozenset({429, 503})
 _UNDER_WAY = "urn:treadline:problem:CallInProgress"
-_OF_CAMERA = "urn:treadline:problem:Camera"
 
 
 class CallRefused(StationError):
@@ -200,11 +199,7 @@ def _wants_again(reply: httpx.Response) -> bool:
     """Tell whether the same call may be taken later, without anybody having to look."""
     if reply.is_success:
         return False
-    kind = str(_problem(reply).get("type", ""))
-    if reply.status_code in _LATER:
-        # What a camera does not do a second time neither; the pass that needed it has failed.
-        return not kind.startswith(_OF_CAMERA)
-    return kind == _UNDER_WAY
+    return reply.status_code in _LATER or _problem(reply).get("type") == _UNDER_WAY
 
 
 def _asked_s(reply: httpx.Response) -> float | None:

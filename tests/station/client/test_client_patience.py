@@ -58,6 +58,7 @@ CUT = httpx.ReadError("cut off")
         httpx.ConnectError("refused"),
         httpx.ReadTimeout("silent"),
         refusal(503, "StoreUnusable"),
+        refusal(503, "CameraUnreachable"),  # the same PUT arms again
         refusal(429, "TooManyBadKeys"),
         refusal(409, "CallInProgress"),
         httpx.Response(503, text="<html>a proxy's own</html>"),
@@ -77,7 +78,6 @@ def test_a_call_that_may_yet_be_taken_is_made_again(first):
         refusal(422, "InputUnusable"),
         refusal(401, "KeyRefused"),
         refusal(500, "InternalError"),
-        refusal(503, "CameraUnreachable"),
     ],
     ids=lambda each: each.json()["type"].removeprefix(PROBLEM),
 )
