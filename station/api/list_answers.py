@@ -39,11 +39,10 @@ class PassesPage(_PageModel):
 
     @classmethod
     def of(cls, page: Page[Pass], recordings: Mapping[str, Sequence[Recording]]) -> Self:
-        last = page.rows[-1] if page.more else None
         views = [PassView(row, recordings.get(row.id, ())) for row in page.rows]
         return cls(
             passes=[PassModel.of(view) for view in views],
-            next=None if last is None else next_of(last.opened_at, last.id),
+            next=next_of(page.rows, lambda row: (row.opened_at, row.id), more=page.more),
         )
 
 
@@ -56,11 +55,10 @@ class SessionsPage(_PageModel):
     def of(
         cls, page: Page[CalibrationSession], recordings: Mapping[str, Sequence[Recording]]
     ) -> Self:
-        last = page.rows[-1] if page.more else None
         views = [SessionView(row, recordings.get(row.id, ())) for row in page.rows]
         return cls(
             sessions=[SessionModel.of(view) for view in views],
-            next=None if last is None else next_of(last.opened_at, last.id),
+            next=next_of(page.rows, lambda row: (row.opened_at, row.id), more=page.more),
         )
 
 
@@ -71,10 +69,9 @@ class RecordingsPage(_PageModel):
 
     @classmethod
     def of(cls, page: Page[Recording]) -> Self:
-        last = page.rows[-1] if page.more else None
         return cls(
             recordings=[RecordingModel.of(row) for row in page.rows],
-            next=None if last is None else next_of(last.opened_at, last.id),
+            next=next_of(page.rows, lambda row: (row.opened_at, row.id), more=page.more),
         )
 
 
@@ -85,10 +82,9 @@ class JobsPage(_PageModel):
 
     @classmethod
     def of(cls, page: Page[Job]) -> Self:
-        last = page.rows[-1] if page.more else None
         return cls(
             jobs=[JobModel.of(row) for row in page.rows],
-            next=None if last is None else next_of(last.created_at, last.id),
+            next=next_of(page.rows, lambda row: (row.created_at, row.id), more=page.more),
         )
 
 
@@ -99,10 +95,9 @@ class CalibrationsPage(_PageModel):
 
     @classmethod
     def of(cls, page: Page[Calibration]) -> Self:
-        last = page.rows[-1] if page.more else None
         return cls(
             calibrations=[CalibrationModel.of(row, None) for row in page.rows],
-            next=None if last is None else next_of(last.created_at, last.id),
+            next=next_of(page.rows, lambda row: (row.created_at, row.id), more=page.more),
         )
 
 
@@ -113,10 +108,9 @@ class RigCalibrationsPage(_PageModel):
 
     @classmethod
     def of(cls, page: Page[RigCalibration]) -> Self:
-        last = page.rows[-1] if page.more else None
         return cls(
             calibrations=[RigCalibrationModel.of(row, None) for row in page.rows],
-            next=None if last is None else next_of(last.created_at, last.id),
+            next=next_of(page.rows, lambda row: (row.created_at, row.id), more=page.more),
         )
 
 

@@ -1,14 +1,17 @@
 """The `next` of a page as text: where a list goes on, for whoever asks with it as `before`."""
 
 import re
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from fastapi import Query
 from pydantic import AfterValidator, AwareDatetime, BeforeValidator
 
 from station.errors import InputUnusable
 from station.store import Cursor, Span
+
+Row = TypeVar("Row")
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,127}")
 
@@ -49,12 +52,15 @@ def span_of(since: datetime | None, until: datetime | None) -> Span:
     return Span(since, until)
 
 
-def next_of(moment: datetime, row_id: str) -> str:
-    """Return what stands for the last row of a page.
+def next_of(rows: Sequence[Row], place: Callable[[Row], Cursor], *, more: bool) -> str | None:
+    """Return what stands for the last row of a page, by its place in the list; None on the last.
 
-    >>> next_of(datetime(2026, 7, 1, 12, tzinfo=UTC), "p1")
+    >>> next_of(["p1"], lambda name: (datetime(2026, 7, 1, 12, tzinfo=UTC), name), more=True)
     '2026-07-01T12:00:00+00:00 p1'
     """
+    if not more:
+        return None
+    moment, row_id = place(rows[-1])
     return f"{moment.isoformat()} {row_id}"
 
 

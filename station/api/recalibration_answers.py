@@ -85,10 +85,9 @@ class RecalibrationsPage(Out):
 
     @classmethod
     def of(cls, page: Page[Recalibration]) -> Self:
-        last = page.rows[-1] if page.more else None
         return cls(
             recalibrations=[RecalibrationModel.of(row) for row in page.rows],
-            next=None if last is None else next_of(last.ordered_at, last.id),
+            next=next_of(page.rows, lambda row: (row.ordered_at, row.id), more=page.more),
         )
 
 

@@ -83,8 +83,7 @@ class ReplaysPage(Out):
 
     @classmethod
     def of(cls, views: list[ReplayView], *, more: bool) -> Self:
-        last = views[-1].row if more else None
         return cls(
             replays=[ReplayModel.of(view) for view in views],
-            next=None if last is None else next_of(last.ordered_at, last.id),
+            next=next_of(views, lambda view: (view.row.ordered_at, view.row.id), more=more),
         )
