@@ -1,25 +1,29 @@
 """Assembling the API."""
 
-from collections.abc import Callable
+from collections.abc import AsyncGenerator, Callable
+from contextlib import asynccontextmanager
 from typing import Any
 
 from fastapi import FastAPI
+from starlette.types import Lifespan
 
 from station.api.bodies import Bodies
 from station.api.contract import contract_of
 from station.api.gate import Gate
 from station.api.guard import Guard
 from station.api.idempotency import Idempotency
+from station.api.logins import Logins
 from station.api.metrics import Metrics
 from station.api.parts import Parts
 from station.api.problems import PROBLEMS, answer_with_problems
 from station.api.remembered import Remembered
 from station.api.routes import ROUTERS
 from station.api.watch import Watch
-from station.operations import Passes, Sessions, Station, Uploads
+from station.operations import Passes, Sessions, Showing, Station, Uploads
+from station.viewing import Viewer
 from station.watching import Lookout
 
-API_VERSION = "1.4.0"
+API_VERSION = "1.5.0"
 
 
 def build_app(
@@ -35,7 +39,8 @@ def build_app(
     lookout = Lookout(station, worker_ready)
     metrics, gate, uploads = Metrics(station, lookout), Gate(station, admin_key), Uploads(station)
     uploads.take_up()
-    app = _with_routes()
+    viewer = Viewer(station.settings.log_level, station.layout.processes_lock)
+    app = _with_routes(_closing(viewer))
     app.state.parts = Parts(
         station=station,
         passes=Passes(station),
@@ -44,6 +49,8 @@ def build_app(
         metrics=metrics,
         worker_ready=worker_ready,
         lookout=lookout,
+        logins=Logins(station, gate),
+        showing=Showing(station, viewer),
     )
     answer_with_problems(app)
     # The last one added is the first a call meets.
@@ -60,8 +67,20 @@ def contract() -> dict[str, Any]:
     return contract_of(_with_routes())
 
 
-def _with_routes() -> FastAPI:
+def _closing(viewer: Viewer) -> Lifespan[FastAPI]:
+    """Have the viewing process end with the app, where that ends before its own process."""
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncGenerator[None]:
+        yield
+        viewer.close()
+
+    return lifespan
+
+
+def _with_routes(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
     app = FastAPI(
+        lifespan=lifespan,
         title="Treadline station",
         version=API_VERSION,
         description="Measures railway wheels with laser light.",

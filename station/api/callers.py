@@ -26,14 +26,25 @@ def needs(scope: Scope) -> Callable[..., Awaitable[Caller]]:
         _: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)],
     ) -> Caller:
         caller: Caller = request.state.caller
-        if not caller.may(scope):
-            raise ScopeMissing(
-                f"the key {caller.name!r} has {', '.join(sorted(caller.scopes))}; "
-                f"this call needs {scope}"
-            )
+        ensure_may(caller, scope)
         return caller
 
     return admitted
+
+
+def ensure_may(caller: Caller, scope: Scope) -> None:
+    """Let only callers with `scope` go on.
+
+    Raises
+    ------
+    ScopeMissing
+        If the caller has others.
+    """
+    if not caller.may(scope):
+        raise ScopeMissing(
+            f"the key {caller.name!r} has {', '.join(sorted(caller.scopes))}; "
+            f"this call needs {scope}"
+        )
 
 
 Reader = Annotated[Caller, Depends(needs(Scope.READ))]

@@ -18,6 +18,7 @@ from station.operations import Station
 from station.store import (
     Caller,
     Scope,
+    caller_logged_in,
     caller_of,
     digest,
     ensure_unguessable,
@@ -65,21 +66,22 @@ class Gate:
         if admin_key is not None:
             ensure_unguessable(admin_key)
         self._station = station
-        self._admin_sha256 = None if admin_key is None else digest(admin_key)
+        self.environment_sha256 = None if admin_key is None else digest(admin_key)
+        """Digest of the key of the environment, if there is one."""
         web = station.settings.web
         self._throttle = Throttle(allowance=web.bad_keys, refill_s=web.bad_key_every_s)
         self._clock = clock
         self._known: OrderedDict[str, _Known] = OrderedDict()
-        """Keys that were good when they were looked up last, by their digests."""
+        """Keys and cookies that were good when they were looked up last, by their digests."""
         self._lock = Lock()
 
-    def recall(self, key: str) -> Caller | None:
-        """Return whose key it is where the store said so within the last second, else None.
+    def recall(self, credential: str) -> Caller | None:
+        """Return whose key or cookie it is where that was looked up within the last second.
 
         A controller that asks often would otherwise have its key looked up for every call, in
         another thread, which takes as long as answering it.
         """
-        known = self._known.get(digest(key))
+        known = self._known.get(digest(credential))
         lately = known is not None and self._clock() - known.looked_up_s < _TRUSTED_S
         return known.caller if known is not None and lately else None
 
@@ -111,8 +113,37 @@ class Gate:
             raise KeyRefused("the station does not accept this key; ask its administrator for one")
         return caller
 
+    def admit_login(self, cookie: str) -> Caller:
+        """Return who was let in with this cookie.
+
+        One that is over is no bad key: the tabs of a browser go on asking when a shift has ended.
+
+        Raises
+        ------
+        KeyRefused
+            If the login has ended, or its key is no longer good.
+        """
+        looked_up_s, now = self._clock(), self._station.now()
+        with self._station.store.look() as session:
+            caller = caller_logged_in(
+                session, cookie, environment_sha256=self.environment_sha256, at=now
+            )
+        known = None if caller is None else _Known(caller, looked_up_s)
+        self._remember(digest(cookie), known)
+        if caller is None:
+            raise KeyRefused("the login has ended; log in again with your key")
+        if not used_lately(caller, at=now):
+            self._note_use(caller, now)
+        return caller
+
+    def forget(self, credential: str) -> None:
+        """Have a key or a cookie looked up again when it comes next."""
+        self._remember(digest(credential), None)
+
     def _caller(self, key: str, sha256: str) -> Caller | None:
-        if self._admin_sha256 is not None and secrets.compare_digest(sha256, self._admin_sha256):
+        if self.environment_sha256 is not None and secrets.compare_digest(
+            sha256, self.environment_sha256
+        ):
             return Caller("environment", frozenset({Scope.ADMIN}))
         store, now = self._station.store, self._station.now()
         with store.look() as session:

@@ -4,11 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
-from anyio import CapacityLimiter
 from fastapi import Depends, Request
 
+from station.api.logins import Logins
 from station.api.metrics import Metrics
-from station.operations import Passes, Sessions, Station, Uploads
+from station.api.turns import Turns
+from station.operations import Passes, Sessions, Showing, Station, Uploads
 from station.watching import Lookout
 
 
@@ -23,8 +24,9 @@ class Parts:
     metrics: Metrics
     worker_ready: Callable[[], bool]
     lookout: Lookout
-    looking: CapacityLimiter = field(default_factory=lambda: CapacityLimiter(1))
-    """Pictures are shown one at a time: a train may pass meanwhile."""
+    logins: Logins
+    showing: Showing
+    turns: Turns = field(default_factory=Turns)
 
 
 async def _parts(request: Request) -> Parts:  # async: a plain one is called in another thread

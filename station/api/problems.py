@@ -11,6 +11,7 @@ from calib import CalibError
 from station import errors
 from station.api import refusals
 from station.api.addresses import methods_at
+from station.viewing import ViewerLost
 
 _log = structlog.get_logger()
 _MEDIA_TYPE = "application/problem+json"
@@ -38,7 +39,9 @@ STATUS_OF: dict[type[Exception], int] = {
     refusals.BodyTooLarge: 413,
     refusals.BodyTooSlow: 408,
     refusals.IdempotencyKeyReused: 422,
+    refusals.PicturesBusy: 503,
     refusals.TooManyBadKeys: 429,
+    ViewerLost: 503,
 }
 
 
@@ -149,9 +152,10 @@ def _answer(
         state=state,
     )
     headers = {"WWW-Authenticate": "Bearer"} if status == 401 else {}
-    wait_s = _CAMERA_BACK_S if status == 503 else retry_after_s
-    if wait_s is not None:
-        headers["Retry-After"] = str(wait_s)
+    if retry_after_s is None and status == 503:
+        retry_after_s = _CAMERA_BACK_S
+    if retry_after_s is not None:
+        headers["Retry-After"] = str(retry_after_s)
     return JSONResponse(
         problem.model_dump(exclude_none=True),
         status_code=status,

@@ -4,6 +4,7 @@ StationError
 ├── BodyRefused             the body of a call cannot be used
 │   ├── BodyTooLarge        more than the call may carry
 │   └── BodyTooSlow         not there within the time for it
+├── PicturesBusy            too many wait for pictures already
 ├── IdempotencyKeyReused    the same Idempotency-Key came with another call
 ├── StateConflict
 │   └── CallInProgress      the same call is being answered right now
@@ -24,6 +25,12 @@ class BodyTooLarge(BodyRefused):
 
 class BodyTooSlow(BodyRefused):
     """The body was not there within the time for it."""
+
+
+class PicturesBusy(StationError):
+    """Too many calls wait for pictures already."""
+
+    retry_after_s = 1
 
 
 class IdempotencyKeyReused(StationError):

@@ -2,6 +2,7 @@
 
 from station.capture.client import CaptureClient, start_capture
 from station.capture.interruption import Interruption
+from station.capture.look import Look
 from station.capture.plan import CaptureReport, ExposureStep, RecordingPlan, Trigger
 from station.capture.status import CaptureState, CaptureStatus
 
@@ -12,6 +13,7 @@ __all__ = [
     "CaptureStatus",
     "ExposureStep",
     "Interruption",
+    "Look",
     "RecordingPlan",
     "Trigger",
     "start_capture",

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import structlog
 
 from station import errors
+from station.capture.look import Look
 from station.capture.plan import CaptureReport, RecordingPlan
 from station.capture.status import CaptureStatus
 from station.errors import CameraError, CameraLost, StateConflict, StationError
@@ -56,6 +57,19 @@ class CaptureClient:
         """
         self._ask({"do": "arm", "plan": plan.to_json()})
 
+    def look(self) -> Look:
+        """Have an idle camera take one picture that is recorded nowhere; the caller closes it.
+
+        Raises
+        ------
+        StateConflict
+            If the sensor is not idle.
+        CameraError
+            If no whole picture comes of it.
+        """
+        answer, descriptors = self._asked({"do": "look"})
+        return Look.from_json(answer["look"], *descriptors)
+
     def trigger(self) -> int:
         """Expose once by command; return the frame's id once it is in the file.
 
@@ -88,17 +102,23 @@ class CaptureClient:
         self._ask({"do": "shutdown"})
 
     def _ask(self, order: dict[str, Any], patience_s: float = _ANSWER_TIMEOUT_S) -> dict[str, Any]:
+        return self._asked(order, patience_s)[0]
+
+    def _asked(
+        self, order: dict[str, Any], patience_s: float = _ANSWER_TIMEOUT_S
+    ) -> tuple[dict[str, Any], list[int]]:
+        """Return the answer, and the open files that came with it."""
         with self._connected() as connection:
             connection.settimeout(patience_s)
             try:
                 connection.sendall(json.dumps(order).encode() + b"\n")
-                line = _read_line(connection)
+                line, descriptors = _read_line(connection)
             except OSError as error:
                 raise self._silent(error) from error
         answer: dict[str, Any] = json.loads(line)
         if "error" in answer:
             raise _error(answer)
-        return answer
+        return answer, descriptors
 
     def _connected(self) -> socket.socket:
         """Connect; a process that was just started needs a moment to listen."""
@@ -158,14 +178,17 @@ def _run(
     run_capture(settings, socket_path, parent_pid)
 
 
-def _read_line(connection: socket.socket) -> bytes:
-    received = bytearray()
+def _read_line(connection: socket.socket) -> tuple[bytes, list[int]]:
+    received, shared = bytearray(), list[int]()
     while not received.endswith(b"\n"):
-        piece = connection.recv(_PIECE_BYTES)
+        piece, descriptors, *_ = socket.recv_fds(
+            connection, _PIECE_BYTES, 1, socket.MSG_CMSG_CLOEXEC
+        )
+        shared += descriptors
         if not piece:
             raise ConnectionResetError("it closed the connection")
         received += piece
-    return bytes(received)
+    return bytes(received), shared
 
 
 def _error(answer: dict[str, Any]) -> StationError:

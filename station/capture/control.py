@@ -30,10 +30,12 @@ class Caller:
     connection: socket.socket
     received: bytearray = field(default_factory=bytearray)
 
-    def answer(self, fields: dict[str, Any]) -> None:
-        """Answer the order; a caller that has gone does not mind."""
+    def answer(self, fields: dict[str, Any], *descriptors: int) -> None:
+        """Answer the order, and share open files; a caller that has gone does not mind."""
+        line = json.dumps(fields).encode() + b"\n"
         with contextlib.suppress(OSError):
-            self.connection.sendall(json.dumps(fields).encode() + b"\n")
+            sent = socket.send_fds(self.connection, [line], descriptors)
+            self.connection.sendall(line[sent:])
 
     def next_order(self) -> dict[str, Any] | None:
         """Return the next whole order; ValueError or TypeError where it is none."""

@@ -25,6 +25,7 @@ _REFUSABLE = (KeyError, TypeError, ValueError)
 _ALLOWED: dict[str, frozenset[CaptureState]] = {
     "status": frozenset(CaptureState),
     "arm": frozenset({CaptureState.UNAVAILABLE, CaptureState.IDLE, CaptureState.RECORDED}),
+    "look": frozenset({CaptureState.IDLE}),
     "trigger": frozenset({CaptureState.RECORDING}),
     "finish": frozenset({CaptureState.RECORDING, CaptureState.BLIND, CaptureState.RECORDED}),
     "shutdown": frozenset(CaptureState),
@@ -83,6 +84,9 @@ class CaptureProcess:
                 caller.answer({"status": self._capture.status().to_json()})
             case "arm":
                 self._capture.arm(RecordingPlan.from_json(order["plan"]), caller.answer)
+            case "look":
+                with self._capture.look() as look:
+                    caller.answer({"look": look.to_json()}, look.descriptor)
             case "trigger":
                 self._capture.trigger(caller.answer)
             case "finish":

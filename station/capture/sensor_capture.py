@@ -9,11 +9,13 @@ import structlog
 from station.capture.camera import ControlHeld
 from station.capture.control import Answer, refusal
 from station.capture.keeper import CameraKeeper
+from station.capture.look import Look
+from station.capture.looking import take_look
 from station.capture.plan import CaptureReport, RecordingPlan, Trigger
 from station.capture.session import CaptureSession
 from station.capture.status import CaptureState, CaptureStatus
 from station.capture.triggering import Triggering
-from station.errors import CameraError, CameraRefused, StateConflict, StationError
+from station.errors import CameraError, CameraLost, CameraRefused, StateConflict, StationError
 from station.settings import SensorSettings
 
 _COUNTED = ("recorded", "lost", "refused", "repeated", "resent_packets")
@@ -102,6 +104,15 @@ class SensorCapture:
         self._session = CaptureSession(plan, camera, ring, link)
         _log.info("recording began", **_names(plan), trigger=str(plan.trigger))
         self._triggering = Triggering(self._session)
+
+    def look(self) -> Look:
+        """Take one picture that is recorded nowhere, the camera being idle; see `take_look`."""
+        camera, ring, _ = self._keeper.ensure_open()
+        try:
+            return take_look(camera, ring)
+        except CameraLost as error:
+            self._keeper.drop(str(error))
+            raise
 
     def trigger(self, answer: Answer) -> None:
         """Take a frame, or a group of them; answer with the last one's id."""

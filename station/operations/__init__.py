@@ -21,7 +21,7 @@ from station.operations.collaborators import (
     utc_now,
 )
 from station.operations.downloads import recording_file
-from station.operations.frames import frame_as_png, frames_page
+from station.operations.frames import frames_page
 from station.operations.keys import Keys, key_id_of
 from station.operations.layout import DataLayout
 from station.operations.lifetimes import Lifetimes
@@ -53,6 +53,7 @@ from station.operations.salvage import salvage_recording
 from station.operations.sensors import rig_at, sensor_at, sensor_given
 from station.operations.session_orders import SessionOrder, SessionView
 from station.operations.sessions import Sessions
+from station.operations.showing import Showing, Shown
 from station.operations.uploads import Upload, Uploads
 from station.operations.views import PassView, PassWheels
 
@@ -77,6 +78,8 @@ __all__ = [
     "SessionOrder",
     "SessionView",
     "Sessions",
+    "Showing",
+    "Shown",
     "Station",
     "Upload",
     "Uploads",
@@ -89,7 +92,6 @@ __all__ = [
     "bring_into_force",
     "calibration_points",
     "cancel_job",
-    "frame_as_png",
     "frames_page",
     "keep_rig_calibration",
     "key_id_of",

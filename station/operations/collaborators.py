@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Protocol
 from uuid import uuid4
 
-from station.capture import CaptureReport, CaptureStatus, RecordingPlan
+from station.capture import CaptureReport, CaptureStatus, Look, RecordingPlan
 from station.operations.layout import DataLayout
 from station.settings import SensorSettings, StationSettings
 from station.store import JobKind, Store
@@ -23,6 +23,8 @@ class Capture(Protocol):
     def trigger(self) -> int: ...
 
     def finish(self, expected_frames: int | None = None) -> CaptureReport: ...
+
+    def look(self) -> Look: ...
 
 
 class JobQueue(Protocol):

@@ -1,4 +1,4 @@
-"""Showing single frames of a recording: by its name and a number, never by a path."""
+"""Listing the frames of a recording, without their pictures."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import TypeVar
 from station.errors import NotFound, RecordingUnreadable
 from station.operations.collaborators import Station
 from station.operations.downloads import recording_files
-from station.recording import ListedFrame, list_frames, picture_at
+from station.recording import ListedFrame, list_frames
 
 _Found = TypeVar("_Found")
 
@@ -32,25 +32,6 @@ def frames_page(
 
     found = _in_files(station, recording_id, listed)
     return found[:limit], len(found) > limit
-
-
-def frame_as_png(
-    station: Station, recording_id: str, number: int, *, max_width: int | None
-) -> bytes:
-    """Return the frame of that number, from 1, as PNG; made smaller where it is wider than allowed.
-
-    Raises
-    ------
-    NotFound
-        If there is no such recording, or it has no such frame.
-    StateConflict, RecordingUnreadable
-        As of `frames_page`.
-    """
-    # What loads OpenCV is for those who look at pictures, and no part of the station's start.
-    from station.pictures import as_png  # noqa: PLC0415  see above
-
-    picture = _in_files(station, recording_id, lambda files: picture_at(files, number))
-    return as_png(picture, max_width=max_width)
 
 
 def _in_files(

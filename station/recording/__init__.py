@@ -2,7 +2,7 @@
 
 from station.recording.activefile import ACTIVE, active_path
 from station.recording.blocks import FrameBlock, frame_blocks
-from station.recording.browsing import ListedFrame, list_frames, picture_at
+from station.recording.browsing import ListedFrame, count_frames, frame_at, list_frames
 from station.recording.camera_numbers import CameraNumbers
 from station.recording.compaction import CompactReport, compact, is_compact
 from station.recording.events import LOSSES, Event, EventKind
@@ -51,7 +51,9 @@ __all__ = [
     "active_path",
     "attachment",
     "compact",
+    "count_frames",
     "events",
+    "frame_at",
     "frame_blocks",
     "frames",
     "has_place",
@@ -62,7 +64,6 @@ __all__ = [
     "left_behind",
     "list_frames",
     "part_path",
-    "picture_at",
     "parts_from",
     "parts_of",
     "recover",

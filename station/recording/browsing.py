@@ -71,8 +71,8 @@ def list_frames(files: Sequence[Path], *, after: int, most: int) -> list[ListedF
     return list(islice(_listed(files, after), most))
 
 
-def picture_at(files: Sequence[Path], number: int) -> "Picture":
-    """Return the picture of the frame of that number, shape (H, W); its chunk's checksum is held.
+def frame_at(files: Sequence[Path], number: int) -> tuple[ListedFrame, "Picture"]:
+    """Return the frame of that number with its picture, shape (H, W); its checksum is held.
 
     Raises
     ------
@@ -86,9 +86,19 @@ def picture_at(files: Sequence[Path], number: int) -> "Picture":
         with open_recording(path) as recording:
             for first, chunk, entries in _chunks(recording, before):
                 if number <= first + len(entries):
-                    return _picture(recording, chunk, entries[number - first - 1])
+                    message = _message(recording, chunk, entries[number - first - 1])
+                    return _as_listed(recording, number, message), picture_of(recording, message)
             before += _frames_in(recording)
     raise NotFound(f"the recording has {before} frames; there is no frame {number}")
+
+
+def count_frames(files: Sequence[Path]) -> int:
+    """Return how many frames a recording has, by what its files say; see `list_frames`."""
+    count = 0
+    for path in files:
+        with open_recording(path) as recording:
+            count += _frames_in(recording)
+    return count
 
 
 def _listed(files: Sequence[Path], after: int) -> Iterator[ListedFrame]:
@@ -102,20 +112,24 @@ def _listed(files: Sequence[Path], after: int) -> Iterator[ListedFrame]:
 
 
 def _listed_in(recording: Recording, before: int, after: int) -> Iterator[ListedFrame]:
-    sensors = channels_of(recording.channels.values(), Topic.IMAGE)
     for first, chunk, entries in _chunks(recording, before):
         if first + len(entries) <= after:
             continue
         headers = _headers(recording, chunk, entries)
         for number, header in enumerate(headers, start=first + 1):
             if number > after:
-                yield ListedFrame(
-                    number,
-                    sensors[header.channel],
-                    header.sequence,
-                    header.publish_time_ns,
-                    header.log_time_ns,
-                )
+                yield _as_listed(recording, number, header)
+
+
+def _as_listed(recording: Recording, number: int, message: StoredMessage) -> ListedFrame:
+    sensors = channels_of(recording.channels.values(), Topic.IMAGE)
+    return ListedFrame(
+        number=number,
+        sensor=sensors[message.channel],
+        frame_id=message.sequence,
+        camera_time_ns=message.publish_time_ns,
+        host_time_ns=message.log_time_ns,
+    )
 
 
 def _frames_in(recording: Recording) -> int:
@@ -192,10 +206,9 @@ def _header(record: memoryview, at: int) -> StoredMessage:
     return StoredMessage(channel, sequence, log_time, publish_time, memoryview(b""), at)
 
 
-def _picture(recording: Recording, chunk: ChunkIndex, entry: _Entry) -> "Picture":
+def _message(recording: Recording, chunk: ChunkIndex, entry: _Entry) -> StoredMessage:
     try:
         content = _content(recording, chunk)
-        message = next(each for each in messages(content) if each.offset == entry[0])
+        return next(each for each in messages(content) if each.offset == entry[0])
     except (*DAMAGED, StopIteration) as error:
         raise recording.damaged(f"at byte {chunk.chunk_start_offset}", error) from error
-    return picture_of(recording, message)

@@ -55,6 +55,24 @@ class GrowingRecording:
                 break
         return found
 
+    def read_newest(self) -> tuple[FilePlace, RecordedFrame] | None:
+        """Return the last frame that is whole, with its place; those before are passed over.
+
+        None where no frame has become whole since the last time.  `read` says what it raises.
+        """
+        if self._file is None:
+            self._file = _opened(self._path, self._next.part)
+        newest = None
+        while self._file is not None:
+            passed, found = self._file.read_newest(self._next.offset_bytes)
+            for offset, frame in found:
+                place = FilePlace(self._next.part, offset, self._next.frames + passed - 1)
+                newest = (place, frame)
+                self._next = FilePlace(place.part, offset + 1, place.frames + 1)
+            if not (self._file.exhausted and self._open_next()):
+                break
+        return newest
+
     @property
     def end(self) -> FilePlace | None:
         """The place behind the last frame; None where `read` has not found all of it ended."""
@@ -98,19 +116,33 @@ class _GrowingFile:
 
     def read(self, most: int, from_byte: int) -> list[tuple[int, RecordedFrame]]:
         """Return (offset, frame) of the next whole chunks with a frame, from a byte on."""
+        return self._frames_of(self._take(most, from_byte))
+
+    def read_newest(self, from_byte: int) -> tuple[int, list[tuple[int, RecordedFrame]]]:
+        """Return how many frames have become whole from a byte on, and the last of them."""
+        passed = self._take(None, from_byte)
+        return len(passed), self._frames_of(passed[-1:])
+
+    def _take(self, most: int | None, from_byte: int) -> list[IndexedChunk]:
+        """Return the next whole chunks with a frame; all of them where `most` is None."""
         found = self._walked()
         if found is None:
             return []
         channels = channels_of(found.index.channels.values(), Topic.IMAGE).keys()
         wanted: list[IndexedChunk] = []
-        while self._taken < len(found.index.chunks) and len(wanted) < most:
+        while self._taken < len(found.index.chunks) and (most is None or len(wanted) < most):
             chunk = found.index.chunks[self._taken]
             self._taken += 1
             if chunk.index.chunk_start_offset >= from_byte and channels & chunk.counts.keys():
                 self._ensure_one_frame(chunk)
                 wanted.append(chunk)
-        offsets = [chunk.index.chunk_start_offset for chunk in wanted]
-        return list(zip(offsets, frames_in(self._recording(found, wanted)), strict=True))
+        return wanted
+
+    def _frames_of(self, chunks: list[IndexedChunk]) -> list[tuple[int, RecordedFrame]]:
+        if self._scan is None or not chunks:
+            return []
+        offsets = [chunk.index.chunk_start_offset for chunk in chunks]
+        return list(zip(offsets, frames_in(self._recording(self._scan, chunks)), strict=True))
 
     def _walked(self) -> Scan | None:
         """Return what is whole of the file by now; None where it has not begun."""

@@ -16,6 +16,7 @@ from station.operations import (
     Station,
     salvage_recording,
 )
+from station.page import add_pages
 from station.serve.looking import begin_looking
 from station.serve.sockets import socket_path
 from station.settings import StationSettings
@@ -27,7 +28,7 @@ _CAPTURE_START_S = 3.0
 
 
 def assemble_api(settings: StationSettings, run_dir: Path, *, admin_key: str | None) -> FastAPI:
-    """Return the API on the station's own store, captures and worker.
+    """Return the API and the pages on the station's own store, captures and worker.
 
     Passes and sessions that were open when the last API process ended are taken up first.
     """
@@ -48,6 +49,7 @@ def assemble_api(settings: StationSettings, run_dir: Path, *, admin_key: str | N
     Passes(station).take_up()
     Sessions(station).take_up()
     app = build_app(station, admin_key=admin_key, worker_ready=partial(is_held, layout.worker_lock))
+    add_pages(app)
     # With the desks of the API, whose locks keep a time-out and a finish apart.  It ends with the
     # process: what it is at then is taken up at the next start.
     lifetimes = Lifetimes(station, app.state.parts.passes, app.state.parts.sessions)

@@ -1,5 +1,6 @@
 """`station serve`: all processes of the station under one roof, until it is told to stop."""
 
+import os
 import select
 import sys
 from collections.abc import Callable, Sequence
@@ -18,6 +19,7 @@ from station.serve.listening import listen, url_of
 from station.serve.processes import start_api, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
 from station.serve.remains import await_end_of_killed, folder_of_sockets
+from station.serve.service_manager import ServiceManager
 from station.settings import StationSettings
 from station.store import ensure_sound, ensure_unguessable, migrate
 from station.worker import held
@@ -67,10 +69,11 @@ def supervise(
                 ensure_first_key(layout, say, to_a_person=sys.stderr.isatty())
             with folder_of_sockets(layout) as run_dir:
                 stop = StopSignal()
-                begin_announcing(url_of(listening, settings.tls), announce, stop)
+                manager = ServiceManager.of(os.environ)
+                begin_announcing(url_of(listening, settings.tls), announce, stop, manager)
                 start_the_api = partial(start_api, settings, run_dir, listening, admin_key)
                 note = partial(_note_restarts, layout.restarts_note)
-                _run(_stages(settings, run_dir, start_the_api), stop, note)
+                _run(_stages(settings, run_dir, start_the_api), stop, note, manager)
 
 
 Stages = Sequence[Sequence[Child]]
@@ -92,7 +95,12 @@ def _stages(
     return [Child("api", start_the_api, _API_PATIENCE_S), worker], captures
 
 
-def _run(stages: Stages, stop: StopSignal, note: Callable[[Sequence[Child]], None]) -> None:
+def _run(
+    stages: Stages,
+    stop: StopSignal,
+    note: Callable[[Sequence[Child]], None],
+    manager: ServiceManager,
+) -> None:
     """Keep the processes running until the signal; then end them stage by stage.
 
     `note` is called at the start, and whenever a process may have been started again.
@@ -103,11 +111,13 @@ def _run(stages: Stages, stop: StopSignal, note: Callable[[Sequence[Child]], Non
             if not stop.is_set():
                 child.start()
         while not stop.is_set():
+            manager.tell_alive()
             note(children)
-            _wait(children, stop)
+            _wait(children, stop, manager.sign_every_s)
             for child in children:
                 child.mend()
     finally:
+        manager.tell_ending()
         for stage in stages:
             for child in stage:
                 child.ask_to_end()
@@ -124,8 +134,9 @@ def _note_restarts(path: Path, children: Sequence[Child]) -> None:
         _log.warning("restarts not noted", why=str(error))
 
 
-def _wait(children: Sequence[Child], stop: StopSignal) -> None:
-    """Sleep until a process ends, one is due to start again, or the signal comes."""
+def _wait(children: Sequence[Child], stop: StopSignal, longest_s: float | None) -> None:
+    """Sleep until a process ends, one is due to start again, the signal comes, or for so long."""
     due_s = [due for child in children if (due := child.due_s()) is not None]
+    due_s += [] if longest_s is None else [longest_s]
     ends = [child.pidfd for child in children if child.pidfd is not None]
     select.select([*ends, stop.readable], [], [], min(due_s, default=None))

@@ -3,8 +3,9 @@
 from collections import Counter
 from pathlib import Path
 from typing import Literal, Self
+from zoneinfo import ZoneInfo
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from station.settings.controller import ControllerSettings
 from station.settings.limits import LimitsSettings
@@ -34,6 +35,9 @@ class StationSettings(Section):
     """Address the page and API listen on."""
     port: int = Field(default=8080, ge=0, le=65535)
     """Port of the page and API."""
+    time_zone: str | None = None
+    """Zone of the times on the page, as Europe/Berlin; absent: the host's.  Everything else, and
+    every file, says its times in UTC."""
     log_level: LogLevel = "info"
     """What is logged: at `info` all that changes something or fails, at `debug` every call too."""
     reference: str = "S1002"
@@ -58,6 +62,16 @@ class StationSettings(Section):
     """Which of them look at the same wheel; a sensor in none is measured by itself."""
     track: TrackSettings | None = None
     """How left and right stand to each other; absent: no axle has a back-to-back distance."""
+
+    @field_validator("time_zone")
+    @classmethod
+    def _is_a_zone(cls, name: str | None) -> str | None:
+        try:
+            return name if name is None else ZoneInfo(name).key
+        except (KeyError, OSError, ValueError) as error:  # all three, by what is wrong with it
+            raise ValueError(
+                f"time_zone {name!r}: no zone of this host; give one as Europe/Berlin or UTC"
+            ) from error
 
     @model_validator(mode="after")
     def _sensors_differ(self) -> Self:

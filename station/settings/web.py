@@ -44,6 +44,9 @@ class WebSettings(Section):
     bad_key_every_s: float = Field(default=6.0, gt=0.0, le=3600.0)
     """Afterwards it may try one in so many seconds, s."""
 
+    login_h: float = Field(default=12.0, gt=0.0, le=720.0)
+    """How long a person who has logged in with a browser need not do so again, h: a shift."""
+
     @model_validator(mode="after")
     def _believes_not_everybody(self) -> Self:
         if any(network.prefixlen == 0 for network in self.proxies):

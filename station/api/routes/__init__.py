@@ -14,6 +14,7 @@ from station.api.routes import (
     replays,
     results,
     rigs,
+    sensor_pictures,
     sessions,
     station,
     wheelsets,
@@ -22,6 +23,7 @@ from station.api.routes import (
 ROUTERS: tuple[APIRouter, ...] = (
     health.router,
     station.router,
+    sensor_pictures.router,
     passes.router,
     sessions.router,
     calibrations.router,

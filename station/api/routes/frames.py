@@ -1,20 +1,22 @@
 """Looking into a recording, frame by frame."""
 
-from typing import Annotated
+from functools import partial
+from typing import Annotated, Literal
 
-from anyio import to_thread
 from fastapi import APIRouter, Path, Query, Response
 
 from station.api.callers import Reader
 from station.api.frame_answers import FrameModel, FramesPage
 from station.api.parts import PartsOf
 from station.api.requests import RecordingInPath
-from station.operations import frame_as_png, frames_page
+from station.api.view_answers import FrameStripeModel, answer_for_good
+from station.operations import frames_page
+from station.viewing import Form
 
 router = APIRouter(prefix="/v1/recordings/{recording_id}/frames", tags=["recordings"])
 
 _MOST_FRAMES = 10**9
-_PNG = "image/png"
+NumberInPath = Annotated[int, Path(ge=1, le=_MOST_FRAMES, description="From 1, in the list.")]
 
 
 @router.get("")
@@ -32,21 +34,35 @@ def list_frames(
     )
 
 
-@router.get("/{number}/picture", response_class=Response, responses={200: {"content": {_PNG: {}}}})
+@router.get(
+    "/{number}/picture",
+    response_class=Response,
+    responses={200: {"content": {form.media_type: {} for form in (Form.PNG, Form.JPEG)}}},
+)
 async def get_picture(
     recording_id: RecordingInPath,
-    number: Annotated[int, Path(ge=1, le=_MOST_FRAMES, description="From 1, in the list.")],
+    number: NumberInPath,
     parts: PartsOf,
     _: Reader,
     max_width: Annotated[
         int | None, Query(ge=16, le=16_384, description="In pixels; a wider one is made smaller.")
     ] = None,
+    form: Annotated[
+        Literal[Form.PNG, Form.JPEG],
+        Query(alias="format", description="PNG is exact, JPEG a fifth as large."),
+    ] = Form.PNG,
 ) -> Response:
-    """Return one frame of a closed recording as a picture (PNG)."""
+    """Return one frame of a closed recording as a picture."""
+    show = partial(parts.showing.frame, recording_id, number, form, max_width=max_width)
+    return answer_for_good(await parts.turns.take(None, show))
 
-    def png() -> bytes:
-        return frame_as_png(parts.station, recording_id, number, max_width=max_width)
 
-    # Whoever waits here holds no thread.
-    content = await to_thread.run_sync(png, limiter=parts.looking)
-    return Response(content, media_type=_PNG)
+@router.get(
+    "/{number}/stripe", response_class=Response, responses={200: {"model": FrameStripeModel}}
+)
+async def get_stripe(
+    recording_id: RecordingInPath, number: NumberInPath, parts: PartsOf, _: Reader
+) -> Response:
+    """Return the stripe found on one frame of a closed recording, its brightness and focus."""
+    show = partial(parts.showing.frame, recording_id, number, Form.STRIPE, max_width=None)
+    return answer_for_good(await parts.turns.take(None, show))

@@ -7,7 +7,7 @@ from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from mcap.writer import IndexType, Writer
 
 from station.errors import NotFound
-from station.recording import list_frames, picture_at
+from station.recording import frame_at, list_frames
 
 SHAPE = (20, 30)
 FRAMES = 7
@@ -49,7 +49,8 @@ def test_frames_of_another_program_are_listed_from_any_place(foreign):
 
 def test_a_frame_of_another_program_is_seen(foreign):
     for number in range(1, FRAMES + 1):
-        picture = picture_at([foreign], number)
+        listed, picture = frame_at([foreign], number)
+        assert [listed] == list_frames([foreign], after=number - 1, most=1)
         np.testing.assert_array_equal(picture, np.full(SHAPE, number, np.uint8))
     with pytest.raises(NotFound, match="has 7 frames; there is no frame 8"):
-        picture_at([foreign], FRAMES + 1)
+        frame_at([foreign], FRAMES + 1)

@@ -1,0 +1,14 @@
+"""The addresses of the page."""
+
+from fastapi import APIRouter, Request, Response
+
+from station.api import Reader
+from station.page.shell import ShellOf
+
+router = APIRouter()
+
+
+@router.get("/passes")
+def get_page(request: Request, shell: ShellOf, _: Reader) -> Response:
+    """Return the page."""
+    return shell.page(request, "passes/index.html", active="passes")

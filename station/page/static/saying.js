@@ -1,0 +1,19 @@
+// Telling the person what came of a call; screen readers read it out.
+const GONE_AFTER_MS = 8000;
+
+export function say(text, kind) {
+  const place = document.getElementById("said");
+  const line = document.createElement("div");
+  line.className = `said ${kind}`;
+  line.append(document.createElement("p"));
+  line.firstChild.textContent = text;
+  const close = document.createElement("button");
+  close.type = "button";
+  close.className = "quiet";
+  close.textContent = place.dataset.close;
+  close.addEventListener("click", () => line.remove());
+  line.append(close);
+  place.append(line);
+  // What went wrong stays until it was read.
+  if (kind === "good") setTimeout(() => line.remove(), GONE_AFTER_MS);
+}
