@@ -2,7 +2,7 @@
 
 Letters, frames, units and signs are in ``conventions.md`` beside this file. Values and geometry
 stand here; ``seeing`` turns pixels into points, ``solving`` points into a sensor, ``judging`` tells
-how good the sensor is.
+how good the sensor is, ``planning`` which pictures would make it better.
 """
 
 from calib.arrays import BoolArray, FloatArray, IntArray, Picture, frozen, read_only
@@ -45,6 +45,11 @@ from calib.judging.distances import PlacementDistances, judge_distances
 from calib.judging.leave_one_out import LeftOutPose, judge_leaving_out
 from calib.judging.repeatability import Repeatability, judge_repeatability
 from calib.plane import LightPlane
+from calib.planning.doubt import SheetDoubt, information_of
+from calib.planning.field import Coverage, field_of
+from calib.planning.imagined import Scatter, imagined_view
+from calib.planning.next_pose import NextPose, next_pose
+from calib.planning.standing import Standing, pose_of, standing_of
 from calib.rig import POSE_PARAMETERS, RIG_PARAMETERS, Rig, RigSensor, moved_by
 from calib.rigid import RigidTransform
 from calib.seeing.noise import PixelNoise
@@ -64,6 +69,7 @@ from calib.solving.rig.answer import (
 )
 from calib.solving.rig.calibrate_rig import calibrate_rig
 from calib.solving.rig.showing import RigShowing
+from calib.solving.start import start_pose
 from calib.target import Target
 from calib.views import Cause, StripePoints, TargetPoints, View
 
@@ -78,6 +84,7 @@ __all__ = [
     "CameraModel",
     "CameraRole",
     "Cause",
+    "Coverage",
     "CylinderJudgement",
     "CylinderReading",
     "Degenerate",
@@ -87,6 +94,7 @@ __all__ = [
     "LeftOutPose",
     "LightPlane",
     "Method",
+    "NextPose",
     "NotConverged",
     "Picture",
     "PixelNoise",
@@ -101,7 +109,9 @@ __all__ = [
     "RigShowing",
     "RigidTransform",
     "moved_by",
+    "Scatter",
     "SheetComparison",
+    "SheetDoubt",
     "SheetFrame",
     "SheetTable",
     "SolveReport",
@@ -110,6 +120,7 @@ __all__ = [
     "SolvedPoints",
     "SolvedRigView",
     "SolvedView",
+    "Standing",
     "StripeNotFound",
     "StripePoints",
     "Target",
@@ -127,7 +138,10 @@ __all__ = [
     "compare_sheets",
     "compare_update",
     "cramer_rao_bound",
+    "field_of",
     "frozen",
+    "imagined_view",
+    "information_of",
     "judge_cylinder",
     "judge_cylinders",
     "judge_distances",
@@ -135,8 +149,12 @@ __all__ = [
     "judge_repeatability",
     "kernel_of",
     "locate_stripe",
+    "next_pose",
     "observe_target",
+    "pose_of",
     "read_only",
     "pixel_grid",
     "sheet_difference_mm",
+    "standing_of",
+    "start_pose",
 ]

@@ -1,4 +1,4 @@
-"""Pictures from files and for them: what counts as one, its 8-bit grey, a folder's order."""
+"""Pictures from files: what counts as one, its 8-bit grey, a folder's order."""
 
 import re
 from pathlib import Path
@@ -108,14 +108,3 @@ def _grey(pixels: np.ndarray) -> Picture:
     if pixels.shape[2] == 4:
         pixels = pixels[:, :, :3]
     return np.asarray(cv2.cvtColor(np.ascontiguousarray(pixels), cv2.COLOR_BGR2GRAY))
-
-
-def as_png(picture: Picture, *, max_width: int | None = None) -> bytes:
-    """Return a grey picture as PNG; one wider than `max_width` made smaller, area by area."""
-    height, width = picture.shape
-    if max_width is not None and width > max_width:
-        size = (max_width, max(round(height * max_width / width), 1))
-        picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
-    # Noise does not compress: more effort than the least makes it three times slower, hardly less.
-    _, encoded = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])
-    return encoded.tobytes()

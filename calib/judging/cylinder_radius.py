@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from calib.arrays import FloatArray
 from calib.judging.fitted_arc import FittedArc, common_covariance
@@ -72,7 +72,7 @@ def on_one_axis(
     mean = np.einsum("nij,nj->i", share, form_mm)
     square = float(np.einsum("ni,nij,nj->", form_mm - mean, information, form_mm - mean))
     freedom = 3 * (len(forms) - 1)
-    if freedom and square > chi2.isf(_BY_CHANCE, freedom):
+    if freedom and square > chdtri(freedom, _BY_CHANCE):
         reason = (
             f"the sections differ by chi-square {square:.0f} of {freedom} from one axis for all; "
             "let each have its own"

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Literal
 
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from measure.gauging.uncertainty import COVERAGE_FACTOR
 from measure.piece.place import PiecePlace
@@ -198,7 +198,7 @@ def judged_by(
 
 def _coverage_factor(count: int) -> float:
     alone = 1.0 - (1.0 - FALSE_ALARM) ** (1.0 / max(count, 1))
-    return float(norm.isf(0.5 * alone) / COVERAGE_FACTOR)
+    return float(-ndtri(0.5 * alone) / COVERAGE_FACTOR)
 
 
 def _deviation(told: Told, factor: float, limit_mm: float | None) -> PieceDeviation:

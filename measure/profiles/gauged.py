@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import savgol_filter
 
 from calib import FloatArray
 from measure.gauging.curve import Curve, Found
@@ -123,6 +122,9 @@ def profile_sigma(profile: Profile) -> FloatArray:
     """Return the sigmas of the points; where none are given, their scatter about parabolas."""
     if (profile.sigma_mm > 0.0).all():
         return profile.sigma_mm
+    # Few profiles come without sigmas, and it takes all of scipy.stats along, half a second of it.
+    from scipy.signal import savgol_filter  # noqa: PLC0415
+
     rest = profile.points_mm - savgol_filter(profile.points_mm, _SMOOTHING_POINTS, 2, axis=0)
     off = np.linalg.norm(rest, axis=1)
     usual = max(1.4826 * float(np.median(off)), _SIGMA_FLOOR_MM)

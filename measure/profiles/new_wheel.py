@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.spatial import cKDTree
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from calib import FloatArray
 from measure.analytic_references import reference_profile
@@ -139,7 +139,7 @@ def _means(
             )
         if count > 1:
             spread[quantity] = float(values.std(ddof=1))
-            of_mean = float(student.ppf(0.975, count - 1)) * spread[quantity] / np.sqrt(count)
+            of_mean = float(stdtrit(count - 1, 0.975)) * spread[quantity] / np.sqrt(count)
             u95[quantity] = float(np.hypot(u95[quantity], of_mean))
     return nominal, u95, spread
 

@@ -179,6 +179,10 @@ class CalibrationModel(Out):
     job: str
     passed: bool | None
     """Whether its figures keep the limits."""
+    refused_at: datetime | None
+    """When a person refused it; it cannot come into force then."""
+    refused_by: str | None
+    refused_why: str | None
     document: dict[str, Any] | None
     """calibration.json."""
 
@@ -196,6 +200,9 @@ class CalibrationModel(Out):
             reason=row.reason,
             job=row.job_id,
             passed=row.passed,
+            refused_at=row.refused_at,
+            refused_by=row.refused_by,
+            refused_why=row.refused_why,
             document=document,
         )
 
@@ -214,6 +221,10 @@ class RigCalibrationModel(Out):
     job: str | None
     passed: bool | None
     """Whether its figures keep the limits."""
+    refused_at: datetime | None
+    """When a person refused it; it cannot come into force then."""
+    refused_by: str | None
+    refused_why: str | None
     document: dict[str, Any] | None
     """rig.json."""
 
@@ -228,6 +239,9 @@ class RigCalibrationModel(Out):
             reason=row.reason,
             job=row.job_id,
             passed=row.passed,
+            refused_at=row.refused_at,
+            refused_by=row.refused_by,
+            refused_why=row.refused_why,
             document=document,
         )
 

@@ -19,7 +19,8 @@ from station.api.problems import PROBLEMS, answer_with_problems
 from station.api.remembered import Remembered
 from station.api.routes import ROUTERS
 from station.api.watch import Watch
-from station.operations import Passes, Sessions, Showing, Station, Uploads
+from station.guiding import Guide
+from station.operations import Guiding, Passes, Sessions, Showing, Station, Uploads
 from station.viewing import Viewer
 from station.watching import Lookout
 
@@ -40,7 +41,8 @@ def build_app(
     metrics, gate, uploads = Metrics(station, lookout), Gate(station, admin_key), Uploads(station)
     uploads.take_up()
     viewer = Viewer(station.settings.log_level, station.layout.processes_lock)
-    app = _with_routes(_closing(viewer))
+    guide = Guide()
+    app = _with_routes(_closing(viewer, guide))
     app.state.parts = Parts(
         station=station,
         passes=Passes(station),
@@ -51,6 +53,7 @@ def build_app(
         lookout=lookout,
         logins=Logins(station, gate),
         showing=Showing(station, viewer),
+        guiding=Guiding(station, guide),
     )
     answer_with_problems(app)
     # The last one added is the first a call meets.
@@ -67,13 +70,14 @@ def contract() -> dict[str, Any]:
     return contract_of(_with_routes())
 
 
-def _closing(viewer: Viewer) -> Lifespan[FastAPI]:
-    """Have the viewing process end with the app, where that ends before its own process."""
+def _closing(viewer: Viewer, guide: Guide) -> Lifespan[FastAPI]:
+    """Have what it started end with the app, where that ends before its own process."""
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncGenerator[None]:
         yield
         viewer.close()
+        guide.close()
 
     return lifespan
 

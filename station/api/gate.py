@@ -136,9 +136,9 @@ class Gate:
             self._note_use(caller, now)
         return caller
 
-    def forget(self, credential: str) -> None:
-        """Have a key or a cookie looked up again when it comes next."""
-        self._remember(digest(credential), None)
+    def forget(self, sha256: str) -> None:
+        """Have a key or a cookie, by its hash, looked up again when it comes next."""
+        self._remember(sha256, None)
 
     def _caller(self, key: str, sha256: str) -> Caller | None:
         if self.environment_sha256 is not None and secrets.compare_digest(

@@ -36,6 +36,7 @@ from station.store import (
 HEADER: Final = "Idempotency-Key"
 REPLAYED: Final = "Idempotency-Replayed"
 _FORM = re.compile(r'"?([\x21\x23-\x7e]{1,255})"?')
+_PROGRAMS: Final = "/v1/"
 _REFUSED, _FAILED = 300, 500
 _KEPT_HEADERS: Final = ("content-type", "location", "etag", "retry-after")
 
@@ -142,10 +143,12 @@ class _Answer:
 
 
 def _may_be_repeated(scope: Scope) -> bool:
-    # An upload is known again by its bytes.
+    # An upload is known again by its bytes; the answer to a button of a page may hold a new key,
+    # which is kept nowhere.
     return (
         scope["type"] == "http"
         and scope["method"] == "POST"
+        and scope["path"].startswith(_PROGRAMS)
         and (scope["method"], scope["path"]) not in STREAMED
         and "caller" in scope.get("state", {})
     )

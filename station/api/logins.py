@@ -8,7 +8,7 @@ station's own pages know (OWASP: Cross-Site Request Forgery Prevention).
 
 import hashlib
 import secrets
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import timedelta
 from typing import Final
 
@@ -19,19 +19,41 @@ from starlette.types import Scope
 
 from station.api.gate import Gate
 from station.operations import Station
-from station.store import Action, Actor, add_login, audit, end_login
+from station.store import (
+    Action,
+    Actor,
+    OpenLogin,
+    add_login,
+    audit,
+    digest,
+    end_login,
+    end_login_named,
+    login_name,
+    open_logins,
+)
 
 CSRF_HEADER: Final = "X-CSRF-Token"
 _COOKIE: Final = "treadline"
 _HOST_COOKIE: Final = "__Host-treadline"
 """The browser takes a cookie of such a name only from the host itself, and only encrypted."""
+_KIND: Final = "login"
 
 
 @dataclass(frozen=True, slots=True)
 class LoggedIn:
     """A browser that was let in, as a call of it shows."""
 
-    cookie: str
+    cookie: str = field(repr=False)
+
+    @property
+    def sha256(self) -> str:
+        """What is kept of the cookie."""
+        return digest(self.cookie)
+
+    @property
+    def name(self) -> str:
+        """What the login goes by, where others see it."""
+        return login_name(self.sha256)
 
     @property
     def csrf_token(self) -> str:
@@ -51,8 +73,13 @@ class Logins:
     station: Station
     gate: Gate
 
-    def begin(self, key: str, address: str) -> LoggedIn:
+    def begin(self, key: str, address: str, *, before: LoggedIn | None = None) -> LoggedIn:
         """Let a browser in by a key.
+
+        Parameters
+        ----------
+        before
+            The login that the browser has had until now; it ends.
 
         Raises
         ------
@@ -60,8 +87,10 @@ class Logins:
             As of `Gate.admit`.
         """
         caller = self.gate.admit(key.strip(), address)
-        now = self.station.now()
+        now, by = self.station.now(), Actor(caller.name, address)
         with self.station.store.change() as session:
+            if before is not None:
+                end_login(session, before.cookie)
             cookie = add_login(
                 session,
                 caller,
@@ -69,15 +98,41 @@ class Logins:
                 at=now,
                 expires_at=now + self.lasts,
             )
-            by = Actor(caller.name, address)
-            audit(session, Action.ADD, "login", caller.key_id or "environment", by=by, at=now)
-        return LoggedIn(cookie)
+            logged_in = LoggedIn(cookie)
+            audit(session, Action.ADD, _KIND, logged_in.name, by=by, at=now)
+        if before is not None:
+            self.gate.forget(before.sha256)
+        return logged_in
 
-    def end(self, logged_in: LoggedIn) -> None:
+    def end(self, logged_in: LoggedIn, *, by: Actor) -> None:
         """Let a browser out; its cookie is worth nothing any more."""
         with self.station.store.change() as session:
-            end_login(session, logged_in.cookie)
-        self.gate.forget(logged_in.cookie)
+            if end_login(session, logged_in.cookie):
+                audit(session, Action.REVOKE, _KIND, logged_in.name, by=by, at=self.station.now())
+        self.gate.forget(logged_in.sha256)
+
+    def all(self) -> list[OpenLogin]:
+        """Return who is let in now, the latest first."""
+        with self.station.store.look() as session:
+            found = open_logins(
+                session,
+                environment_sha256=self.gate.environment_sha256,
+                at=self.station.now(),
+            )
+            return list(found)
+
+    def end_named(self, name: str, *, by: Actor) -> None:
+        """Let the browser of a login out, by the login's name.
+
+        Raises
+        ------
+        NotFound
+            If there is no such login any more.
+        """
+        with self.station.store.change() as session:
+            sha256 = end_login_named(session, name)
+            audit(session, Action.REVOKE, _KIND, name, by=by, at=self.station.now())
+        self.gate.forget(sha256)
 
     @property
     def lasts(self) -> timedelta:

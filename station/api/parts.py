@@ -9,7 +9,7 @@ from fastapi import Depends, Request
 from station.api.logins import Logins
 from station.api.metrics import Metrics
 from station.api.turns import Turns
-from station.operations import Passes, Sessions, Showing, Station, Uploads
+from station.operations import Guiding, Passes, Sessions, Showing, Station, Uploads
 from station.watching import Lookout
 
 
@@ -26,6 +26,7 @@ class Parts:
     lookout: Lookout
     logins: Logins
     showing: Showing
+    guiding: Guiding
     turns: Turns = field(default_factory=Turns)
 
 

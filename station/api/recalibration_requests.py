@@ -20,6 +20,18 @@ class RecalibrationRequest(_In):
     """Calibration sessions to take; absent: those that are new, or one that the station takes."""
 
 
+class RefusalRequest(_In):
+    """Why a calibration is not to come into force."""
+
+    reason: Annotated[
+        str,
+        StringConstraints(
+            min_length=1, max_length=500, strip_whitespace=True, pattern=r"^[^\x00]*$"
+        ),
+    ]
+    """It stays with the calibration."""
+
+
 class AnswerRequest(_In):
     """What a person answers."""
 

@@ -18,6 +18,7 @@ _SLOT = 0
 _ON_ITS_WAY_S = 0.25
 """From the end of the exposure to the first packet; a frame of which packets came is waited for."""
 _WAIT_US = 5_000
+_SILENT = "the camera stopped answering; check its power and cable"
 
 
 def take_look(camera: Camera, ring: Ring) -> Look:
@@ -35,6 +36,8 @@ def take_look(camera: Camera, ring: Ring) -> Look:
     CameraError
         If no whole frame came of the trigger.
     """
+    if not camera.answers():
+        raise CameraLost(_SILENT)  # an order to it would take seconds, and others wait
     stream = camera.start(Trigger.SOFTWARE, ring, [_SLOT])
     try:
         camera.trigger()
@@ -58,13 +61,13 @@ def _awaited(stream: FrameStream, deadline_s: float) -> ReceivedFrame | None:
 
 
 def _end(camera: Camera, stream: FrameStream) -> None:
-    """Leave the camera as it was; CameraLost where it is gone, for then orders take seconds."""
+    """Leave the camera as it was; CameraLost where it is gone."""
     if camera.answers():
         camera.stop()
         stream.close(lost=False)
     else:
         stream.close(lost=True)
-        raise CameraLost("the camera stopped answering; check its power and cable")
+        raise CameraLost(_SILENT)
 
 
 def _shared(picture: memoryview) -> int:

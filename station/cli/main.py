@@ -35,6 +35,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
 }
 GROUPS: dict[str, str] = {
     "camera": "station.cli.camera",
+    "config": "station.cli.config",
     "recording": "station.cli.recording",
     "rig": "station.cli.rig",
     "evaluate": "station.cli.evaluate",

@@ -1,6 +1,5 @@
 """`station recalibrate`: what the nightly job does, now."""
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,11 +13,10 @@ from station.client import StationClient
 from station.errors import InputUnusable, NothingMeasurable
 from station.operations import DataLayout, sensor_given
 from station.serve import log_as
-from station.settings import StationSettings, load_settings
+from station.settings import StationSettings, credential, load_settings
 from station.worker import is_held, recalibrate_here
 
 _DEFAULT_CONFIG = Path("station.toml")
-_KEYS = ("STATION_KEY", "STATION_ADMIN_KEY")
 _ANYWHERE = {"0.0.0.0": "127.0.0.1", "::": "::1"}
 
 Result = dict[str, Any]
@@ -57,11 +55,11 @@ def recalibrate(
 def _by_station(
     settings: StationSettings, sensor: str | None, url: str | None, timeout_s: float
 ) -> list[Result]:
-    key = next((os.environ[name] for name in _KEYS if os.environ.get(name)), None)
+    key = credential("key") or credential("admin_key")
     if key is None:
         raise InputUnusable(
             f"a station runs on {settings.data_dir}; put a key of it with scope calibrate into "
-            f"{_KEYS[0]}"
+            "STATION_KEY"
         )
     with StationClient.connect(url or _url(settings), key) as station:
         sensors = [sensor] if sensor is not None else station.calibrated_sensors()

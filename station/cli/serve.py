@@ -1,6 +1,5 @@
 """`station serve`: the station, until it is told to stop."""
 
-import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -9,7 +8,7 @@ import typer
 
 from station.cli.output import AsJson, emit
 from station.serve import log_as, supervise
-from station.settings import load_settings
+from station.settings import credential, load_settings
 
 _DEFAULT_CONFIG = Path("station.toml")
 
@@ -31,7 +30,7 @@ def serve(
 
     supervise(
         settings,
-        admin_key=os.environ.get("STATION_ADMIN_KEY"),
+        admin_key=credential("admin_key"),
         say=lambda line: typer.echo(line, err=True),
         announce=announce,
     )

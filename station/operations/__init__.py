@@ -3,6 +3,7 @@
 No HTTP and no process in here: each operation takes the parts of the station it works with.
 """
 
+from station.operations.calibration_pictures import FramePlace, pictures_of
 from station.operations.calibrations import (
     CalibrationOrder,
     MethodName,
@@ -22,6 +23,7 @@ from station.operations.collaborators import (
 )
 from station.operations.downloads import recording_file
 from station.operations.frames import frames_page
+from station.operations.guiding import Guiding
 from station.operations.keys import Keys, key_id_of
 from station.operations.layout import DataLayout
 from station.operations.lifetimes import Lifetimes
@@ -35,6 +37,8 @@ from station.operations.recalibrations import (
     order_recalibration,
     supersede_asking,
 )
+from station.operations.recorded_events import ListedEvent, events_page
+from station.operations.refusing import refuse_calibration, refuse_rig_calibration
 from station.operations.replays import (
     ReferenceName,
     ReplayOrder,
@@ -54,6 +58,7 @@ from station.operations.sensors import rig_at, sensor_at, sensor_given
 from station.operations.session_orders import SessionOrder, SessionView
 from station.operations.sessions import Sessions
 from station.operations.showing import Showing, Shown
+from station.operations.triggering import by_command, trigger_pass
 from station.operations.uploads import Upload, Uploads
 from station.operations.views import PassView, PassWheels
 
@@ -61,10 +66,13 @@ __all__ = [
     "CalibrationOrder",
     "Capture",
     "DataLayout",
+    "Guiding",
+    "FramePlace",
     "JobQueue",
     "Keys",
     "MethodName",
     "Lifetimes",
+    "ListedEvent",
     "PassView",
     "PassWheels",
     "Passes",
@@ -90,8 +98,10 @@ __all__ = [
     "add_recalibration",
     "answer_recalibration",
     "bring_into_force",
+    "by_command",
     "calibration_points",
     "cancel_job",
+    "events_page",
     "frames_page",
     "keep_rig_calibration",
     "key_id_of",
@@ -100,12 +110,16 @@ __all__ = [
     "order_recalibration",
     "order_replay",
     "order_rig_calibration",
+    "pictures_of",
     "recording_file",
+    "refuse_calibration",
+    "refuse_rig_calibration",
     "replay_view",
     "rig_at",
     "salvage_recording",
     "sensor_at",
     "sensor_given",
     "supersede_asking",
+    "trigger_pass",
     "utc_now",
 ]

@@ -30,13 +30,14 @@ def frames_page(
     def listed(files: Sequence[Path]) -> list[ListedFrame]:
         return list_frames(files, after=after, most=limit + 1)
 
-    found = _in_files(station, recording_id, listed)
+    found = in_files(station, recording_id, listed)
     return found[:limit], len(found) > limit
 
 
-def _in_files(
+def in_files(
     station: Station, recording_id: str, look: Callable[[Sequence[Path]], _Found]
 ) -> _Found:
+    """Return what is found in the files of a recording; `frames_page` says what it raises."""
     files = recording_files(station, recording_id)
     if not files:
         raise NotFound(f"recording {recording_id} has no file on the disk")

@@ -78,10 +78,7 @@ class Showing:
         RecordingUnreadable, ViewerLost
             As of `newest`.
         """
-        if not recording_files(self._station, recording_id):
-            raise NotFound(f"recording {recording_id} has no file on the disk")
-        with self._station.store.look() as session:
-            row = session.get_one(Recording, recording_id)
+        row = self._closed(recording_id)
         order = ViewOrder(
             form,
             self._path(row),
@@ -92,6 +89,35 @@ class Showing:
         view = self._ask(order, row)
         if view is None:
             raise NotFound(f"recording {recording_id} has no frame {number}")
+        return Shown(row.id, view)
+
+    def timeline(self, recording_id: str, frame_ids: Sequence[int] = ()) -> Shown:
+        """Return how the frames and events of a closed recording lie in time.
+
+        Parameters
+        ----------
+        recording_id
+            Which.
+        frame_ids
+            Frames whose places are wanted, as the camera numbers them.
+
+        Raises
+        ------
+        NotFound
+            If there is no such recording, or no frame in it.
+        StateConflict, RecordingUnreadable, ViewerLost
+            As of `frame`.
+        """
+        row = self._closed(recording_id)
+        order = ViewOrder(
+            Form.TIMELINE,
+            self._path(row),
+            about={"sensor": row.sensor, "recording": row.id},
+            frame_ids=tuple(frame_ids),
+        )
+        view = self._ask(order, row)
+        if view is None:
+            raise NotFound(f"recording {recording_id} has no frame")
         return Shown(row.id, view)
 
     def look(self, sensor: str, form: Form, *, max_width: int | None) -> Shown:
@@ -117,6 +143,13 @@ class Showing:
         if view is None:
             raise NotFound(f"sensor {sensor}: nothing was seen")
         return Shown(None, view)
+
+    def _closed(self, recording_id: str) -> Recording:
+        """Return a recording that is closed and on the disk."""
+        if not recording_files(self._station, recording_id):
+            raise NotFound(f"recording {recording_id} has no file on the disk")
+        with self._station.store.look() as session:
+            return session.get_one(Recording, recording_id)
 
     def _newest_of(
         self, row: Recording, form: Form, max_width: int | None, known: int | None

@@ -6,9 +6,9 @@ from urllib.parse import urlsplit
 from fastapi import APIRouter, Form, Request, Response
 from fastapi.responses import RedirectResponse
 
-from station.api import PartsOf, Reader
+from station.api import By, PartsOf, Reader, TooManyBadKeys, cookie_in, status_of
 from station.errors import KeyRefused
-from station.page.shell import ShellOf
+from station.page.shell import Shell, ShellOf
 
 router = APIRouter()
 _FIRST: Final = "/now"
@@ -41,37 +41,49 @@ def post_login(
         raise KeyRefused("the login came from a page of another host; log in here")
     address = request.client.host if request.client else "nowhere"
     try:
-        logged_in = parts.logins.begin(key, address)
+        logged_in = parts.logins.begin(key, address, before=cookie_in(request.scope))
     except KeyRefused as error:
-        return shell.page(
-            request,
-            "shell/login.html",
-            status=401,
-            leads_to=leads_to,
-            refused=str(error),
-            active=None,
-        )
+        return _refused(request, shell, error, leads_to)
     response = RedirectResponse(_own(leads_to), status_code=303)
     parts.logins.give(response, logged_in, encrypted=request.url.scheme == "https")
     return response
 
 
 @router.post("/logout")
-def post_logout(request: Request, parts: PartsOf, _: Reader) -> Response:
+def post_logout(request: Request, parts: PartsOf, _: Reader, by: By) -> Response:
     """Let a browser out."""
     if request.state.logged_in is not None:
-        parts.logins.end(request.state.logged_in)
+        parts.logins.end(request.state.logged_in, by=by)
     response = Response(status_code=204, headers={"HX-Redirect": "/login"})
     parts.logins.take_back(response, encrypted=request.url.scheme == "https")
     return response
 
 
+def _refused(request: Request, shell: Shell, error: KeyRefused, leads_to: str) -> Response:
+    page = shell.page(
+        request,
+        "shell/login.html",
+        status=status_of(error),
+        leads_to=leads_to,
+        refused=str(error),
+        active=None,
+    )
+    if isinstance(error, TooManyBadKeys):
+        page.headers["Retry-After"] = str(error.retry_after_s)
+    return page
+
+
 def _from_elsewhere(request: Request) -> bool:
-    """Tell whether a browser says that a page of another host made the call."""
+    """Tell whether a browser says that a page of another host made the call.
+
+    It says where a call comes from to hosts it reaches encrypted; else it names the page's host,
+    which a proxy in between may know by another name.
+    """
+    site = request.headers.get("sec-fetch-site")
+    if site is not None:
+        return site not in {"same-origin", "none"}
     origin = request.headers.get("origin")
-    site = request.headers.get("sec-fetch-site", "same-origin")
-    strange = origin is not None and urlsplit(origin).netloc != request.headers.get("host")
-    return site not in {"same-origin", "none"} or strange
+    return origin is not None and urlsplit(origin).netloc != request.headers.get("host")
 
 
 def _own(address: str) -> str:

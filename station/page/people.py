@@ -63,7 +63,7 @@ class AnswersForPeople:
 
 def _goes_there(scope: Scope) -> bool:
     """Tell whether a browser goes to the address, rather than a script or a program calls it."""
-    if scope["type"] != "http" or scope["method"] != "GET":
+    if scope["type"] != "http":
         return False
     headers = Headers(scope=scope)
     return "text/html" in headers.get("accept", "") and "hx-request" not in headers

@@ -29,10 +29,11 @@ from station.pipeline.measure_rig import measure_rig, measured_on_rig
 from station.pipeline.measure_train import measure_train
 from station.pipeline.naming import distinct_names
 from station.pipeline.new_references import register_reference
-from station.pipeline.observe import Observations, observe_sources
+from station.pipeline.observe import Observations, observe_pose, observe_sources
 from station.pipeline.observe_group import PoseShot, observe_group
 from station.pipeline.piece import check_piece
 from station.pipeline.piece_on_rig import PieceOrder, calibrate_rig_on_piece, check_piece_on_rig
+from station.pipeline.quality import LARGEST_SHEET_SIGMA_MM, LARGEST_SIGMA_SCALE
 from station.pipeline.references import is_json, load_reference, read_profile, read_reference
 from station.pipeline.resumption import Resumption
 from station.pipeline.rig import RigOrder, calibrate_rig_sources
@@ -42,6 +43,8 @@ from station.pipeline.wheel_stripe import locate_wheel_stripe
 
 __all__ = [
     "FRAME_S",
+    "LARGEST_SHEET_SIGMA_MM",
+    "LARGEST_SIGMA_SCALE",
     "MAP_STEP_PX",
     "Batch",
     "CalibrationOutcome",
@@ -84,6 +87,7 @@ __all__ = [
     "measured_on_rig",
     "measured_wheels",
     "observe_group",
+    "observe_pose",
     "observe_sources",
     "on_axles",
     "read_frames",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib import FloatArray, IntArray
-from measure import EN_15313, GaugeLevels, Quantity, ReferenceProfile
+from measure import EN_15313, GaugeLevels, Profile, Quantity, ReferenceProfile
 from station.documents import ProfileDocument, WheelDocument
 
 U95_SIGMAS = 1.96
@@ -45,10 +45,13 @@ class Drawn:
         cls,
         wheel: WheelDocument,
         profile: ProfileDocument,
-        reference: ReferenceProfile,
+        reference: ReferenceProfile | None,
         lowest_mm: float,
     ) -> "Drawn":
-        """Take a measured wheel apart; what lies below the lowest height shown is left out."""
+        """Take a measured wheel apart; what lies below the lowest height shown is left out.
+
+        Without a reference, as where its file is gone, no wear is known.
+        """
         measured = profile.profile()
         # The back face may reach far below the drawing.
         seen = measured.h_mm >= lowest_mm
@@ -57,11 +60,13 @@ class Drawn:
         return cls(
             points_mm=measured.points_mm[seen],
             half_band_mm=U95_SIGMAS * measured.sigma_mm[seen],
-            wear_mm=measured.wear_mm(reference)[seen],
+            wear_mm=_wear_mm(measured, reference)[seen],
             tip_mm=(
                 float(measured.d_mm[highest]),
                 # The profile is aligned there: its highest point alone carries its own noise.
-                reference.nominal[Quantity.FLANGE_HEIGHT],
+                float(measured.h_mm[highest])
+                if reference is None
+                else reference.nominal[Quantity.FLANGE_HEIGHT],
             ),
             seen_by=None if measured.seen_by is None else measured.seen_by[seen],
             levels=GaugeLevels(
@@ -92,6 +97,16 @@ class Drawn:
         for first, last in zip(ends, ends[1:], strict=False):
             yield int(bits[first]), slice(run.start + first, min(run.start + last + 1, run.stop))
 
+    def lost(self, run: slice) -> FloatArray | None:
+        """Return the outline of what is worn off along a run; None where nothing tells it."""
+        known = np.isfinite(self.wear_mm[run])
+        points, wear = self.points_mm[run][known], self.wear_mm[run][known]
+        if len(points) < 2:
+            return None
+        # Where metal stands above the reference nothing is worn off.
+        above = points + np.column_stack([np.zeros(len(wear)), np.maximum(wear, 0.0)])
+        return np.concatenate([points, above[::-1]])
+
     def band(self, run: slice) -> FloatArray:
         """Return the outline of the 95 % band about a run."""
         points, half = self.points_mm[run], self.half_band_mm[run, None]
@@ -99,3 +114,9 @@ class Drawn:
         length = np.maximum(np.linalg.norm(tangent, axis=1), 1e-9)
         normal = tangent[:, ::-1] * [-1.0, 1.0] / length[:, None]
         return np.concatenate([points + half * normal, (points - half * normal)[::-1]])
+
+
+def _wear_mm(measured: Profile, reference: ReferenceProfile | None) -> FloatArray:
+    if reference is None:
+        return np.full(len(measured.d_mm), np.nan)
+    return measured.wear_mm(reference)

@@ -2,11 +2,12 @@
 
 from station.recording.activefile import ACTIVE, active_path
 from station.recording.blocks import FrameBlock, frame_blocks
-from station.recording.browsing import ListedFrame, count_frames, frame_at, list_frames
+from station.recording.browsing import ListedFrame, list_frames
 from station.recording.camera_numbers import CameraNumbers
 from station.recording.compaction import CompactReport, compact, is_compact
 from station.recording.events import LOSSES, Event, EventKind
 from station.recording.frame_ids import id_after, ids_skipped
+from station.recording.frame_table import FrameTable
 from station.recording.growing import GrowingRecording
 from station.recording.info import RecordingInfo, SensorInfo, info
 from station.recording.parts import (
@@ -36,6 +37,7 @@ __all__ = [
     "EventKind",
     "FilePlace",
     "FrameBlock",
+    "FrameTable",
     "ListedFrame",
     "GrowingRecording",
     "PartsSummary",
@@ -51,9 +53,7 @@ __all__ = [
     "active_path",
     "attachment",
     "compact",
-    "count_frames",
     "events",
-    "frame_at",
     "frame_blocks",
     "frames",
     "has_place",

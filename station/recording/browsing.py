@@ -10,27 +10,21 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mcap.opcode import Opcode
 from mcap.records import ChunkIndex
 
-from station.errors import NotFound
 from station.recording.chunks import StoredMessage, messages, read_chunk
 from station.recording.layout import CHUNK_START, DAMAGED, MESSAGE_START, PREFIX
 from station.recording.opening import Recording, open_recording
-from station.recording.reader import picture_of
 from station.recording.topics import Topic, channels_of
-
-if TYPE_CHECKING:  # importing `calib` would make a new recorder late by half a second
-    from calib import Picture
 
 _INDEX_START = struct.Struct("<HI")  # of a message index: channel, bytes of its entries
 _ENTRY = struct.Struct("<QQ")  # log time, offset in the chunk
 _STORED_SIZE = 8
 _LARGEST_CHUNK_BYTES = 128 << 20
 """Our own hold one large picture; whoever shows one frame has no memory for everything."""
-_Entry = tuple[int, int]
+Entry = tuple[int, int]
 """Offset in the chunk, channel."""
 
 
@@ -71,36 +65,6 @@ def list_frames(files: Sequence[Path], *, after: int, most: int) -> list[ListedF
     return list(islice(_listed(files, after), most))
 
 
-def frame_at(files: Sequence[Path], number: int) -> tuple[ListedFrame, "Picture"]:
-    """Return the frame of that number with its picture, shape (H, W); its checksum is held.
-
-    Raises
-    ------
-    NotFound
-        If the recording has fewer frames.
-    InputUnusable, RecordingUnreadable
-        As of `list_frames`.
-    """
-    before = 0
-    for path in files:
-        with open_recording(path) as recording:
-            for first, chunk, entries in _chunks(recording, before):
-                if number <= first + len(entries):
-                    message = _message(recording, chunk, entries[number - first - 1])
-                    return _as_listed(recording, number, message), picture_of(recording, message)
-            before += _frames_in(recording)
-    raise NotFound(f"the recording has {before} frames; there is no frame {number}")
-
-
-def count_frames(files: Sequence[Path]) -> int:
-    """Return how many frames a recording has, by what its files say; see `list_frames`."""
-    count = 0
-    for path in files:
-        with open_recording(path) as recording:
-            count += _frames_in(recording)
-    return count
-
-
 def _listed(files: Sequence[Path], after: int) -> Iterator[ListedFrame]:
     before = 0
     for path in files:
@@ -112,16 +76,17 @@ def _listed(files: Sequence[Path], after: int) -> Iterator[ListedFrame]:
 
 
 def _listed_in(recording: Recording, before: int, after: int) -> Iterator[ListedFrame]:
-    for first, chunk, entries in _chunks(recording, before):
+    for first, chunk, entries in chunks_with_frames(recording, before):
         if first + len(entries) <= after:
             continue
-        headers = _headers(recording, chunk, entries)
+        headers = headers_of(recording, chunk, entries)
         for number, header in enumerate(headers, start=first + 1):
             if number > after:
-                yield _as_listed(recording, number, header)
+                yield as_listed(recording, number, header)
 
 
-def _as_listed(recording: Recording, number: int, message: StoredMessage) -> ListedFrame:
+def as_listed(recording: Recording, number: int, message: StoredMessage) -> ListedFrame:
+    """Return the frame that a message of a recording holds, without its picture."""
     sensors = channels_of(recording.channels.values(), Topic.IMAGE)
     return ListedFrame(
         number=number,
@@ -138,9 +103,9 @@ def _frames_in(recording: Recording) -> int:
     return sum(counts.get(channel, 0) for channel in channels)
 
 
-def _chunks(
+def chunks_with_frames(
     recording: Recording, before: int
-) -> Iterator[tuple[int, ChunkIndex, Sequence[_Entry]]]:
+) -> Iterator[tuple[int, ChunkIndex, Sequence[Entry]]]:
     """Yield the frames before a chunk, the chunk, and where its frames lie in it."""
     channels = channels_of(recording.channels.values(), Topic.IMAGE).keys()
     for chunk in recording.chunks:
@@ -153,9 +118,7 @@ def _chunks(
             before += len(entries)
 
 
-def _entries(
-    recording: Recording, chunk: ChunkIndex, channels: Collection[int]
-) -> Iterator[_Entry]:
+def _entries(recording: Recording, chunk: ChunkIndex, channels: Collection[int]) -> Iterator[Entry]:
     if not chunk.message_index_offsets:  # other writers may leave it out
         found = messages(_content(recording, chunk))
         yield from ((each.offset, each.channel) for each in found if each.channel in channels)
@@ -181,8 +144,8 @@ def _content(recording: Recording, chunk: ChunkIndex) -> memoryview:
     return read_chunk(recording.descriptor, chunk)
 
 
-def _headers(
-    recording: Recording, chunk: ChunkIndex, entries: Sequence[_Entry]
+def headers_of(
+    recording: Recording, chunk: ChunkIndex, entries: Sequence[Entry]
 ) -> Iterator[StoredMessage]:
     """Yield messages without their bodies."""
     try:
@@ -206,7 +169,8 @@ def _header(record: memoryview, at: int) -> StoredMessage:
     return StoredMessage(channel, sequence, log_time, publish_time, memoryview(b""), at)
 
 
-def _message(recording: Recording, chunk: ChunkIndex, entry: _Entry) -> StoredMessage:
+def message_at(recording: Recording, chunk: ChunkIndex, entry: Entry) -> StoredMessage:
+    """Return a message with its body, once the checksum of its chunk has passed."""
     try:
         content = _content(recording, chunk)
         return next(each for each in messages(content) if each.offset == entry[0])

@@ -1,8 +1,7 @@
-"""Telling systemd how the service does: ready, alive, ending (sd_notify(3)).
+"""Telling systemd how the service does: ready, alive, ending.
 
-Signs of life as of sd_watchdog_enabled(3).
-
-Without systemd nothing is told, and nothing else is different.
+As of sd_notify(3) and sd_watchdog_enabled(3).  Without systemd nothing is told, and nothing else is
+different.
 """
 
 import os

@@ -1,6 +1,7 @@
 """The station's settings: one typed tree, read once at start from TOML and the environment."""
 
 from station.settings.controller import ControllerSettings
+from station.settings.credentials import CREDENTIALS, credential
 from station.settings.limits import LimitSettings, LimitsSettings, RangeSettings
 from station.settings.load import load_settings
 from station.settings.measuring import MeasuringSettings
@@ -27,6 +28,7 @@ from station.settings.track import TrackSettings
 from station.settings.web import TlsSettings, WebSettings
 
 __all__ = [
+    "CREDENTIALS",
     "DAYS",
     "MAX_SKEW_US",
     "CaptureSettings",
@@ -52,5 +54,6 @@ __all__ = [
     "TlsSettings",
     "TrackSettings",
     "WebSettings",
+    "credential",
     "load_settings",
 ]

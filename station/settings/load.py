@@ -12,11 +12,14 @@ from pydantic_settings import (
 )
 
 from station.errors import InputUnusable
+from station.settings.credentials import credential
 from station.settings.station import StationSettings
 
 
 def load_settings(path: Path) -> StationSettings:
     """Read the settings from a TOML file; variables ``STATION_NAME`` of the environment win.
+
+    The URL of the store, which may hold a password, may also come as a credential of the service.
 
     Relative paths in it (data, reference, certificate, key) count from the folder of the file.
 
@@ -57,6 +60,7 @@ def load_settings(path: Path) -> StationSettings:
         raise InputUnusable(f"{path}: cannot be read ({error.strerror})") from error
     reference = path.parent / found.reference
     beside: dict[str, object] = {
+        "store_url": credential("store_url") or found.store_url,
         "data_dir": (path.parent / found.data_dir).resolve(),
         "recalibration": found.recalibration.beside(path.parent),
     }
@@ -64,4 +68,4 @@ def load_settings(path: Path) -> StationSettings:
         beside["reference"] = str(reference.resolve())
     if found.tls is not None:
         beside["tls"] = found.tls.beside(path.parent)
-    return found.model_copy(update=beside)
+    return found.model_copy(update=beside).read_from(path.resolve())

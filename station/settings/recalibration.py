@@ -8,7 +8,6 @@ from zoneinfo import ZoneInfo
 
 from pydantic import Field, StringConstraints, field_validator, model_validator
 
-from calib import CalibError, Target
 from station.settings.section import Section
 from station.settings.sensor import SensorId
 
@@ -88,6 +87,9 @@ class CaptureSettings(Section):
     @field_validator("target")
     @classmethod
     def _target_parses(cls, text: str) -> str:
+        # Imported here: every process of the station reads its settings, few calculate.
+        from calib import CalibError, Target  # noqa: PLC0415
+
         try:
             return str(Target.parse(text))
         except CalibError as error:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal, Self
 from zoneinfo import ZoneInfo
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from station.settings.controller import ControllerSettings
 from station.settings.limits import LimitsSettings
@@ -30,7 +30,8 @@ class StationSettings(Section):
     """Folder of recordings, calibrations and the store."""
     store_url: str | None = Field(default=None, repr=False)
     """Database of the store, as postgresql://USER:PASSWORD@HOST/DATABASE; absent: a file (SQLite)
-    in `data_dir`.  A password is better given as STATION_STORE_URL in the environment."""
+    in `data_dir`.  A password is better given as STATION_STORE_URL in the environment, or as the
+    credential `store_url` of the service."""
     host: str = "127.0.0.1"
     """Address the page and API listen on."""
     port: int = Field(default=8080, ge=0, le=65535)
@@ -62,6 +63,18 @@ class StationSettings(Section):
     """Which of them look at the same wheel; a sensor in none is measured by itself."""
     track: TrackSettings | None = None
     """How left and right stand to each other; absent: no axle has a back-to-back distance."""
+    _file: Path | None = PrivateAttr(default=None)
+
+    @property
+    def file(self) -> Path | None:
+        """The file they were read from; None where they come from a program."""
+        return self._file
+
+    def read_from(self, file: Path) -> Self:
+        """Return the same, knowing the file they come from."""
+        found = self.model_copy()
+        found._file = file  # noqa: SLF001  of its own class
+        return found
 
     @field_validator("time_zone")
     @classmethod

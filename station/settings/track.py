@@ -2,10 +2,8 @@
 
 from typing import TYPE_CHECKING, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
-from calib import RigidTransform
 from station.settings.rig import MAX_SKEW_US
 from station.settings.section import Section
 
@@ -58,8 +56,11 @@ class TrackSettings(Section):
         ValueError
             If rig y does not point to the field on both sides.
         """
-        # 0.2 s that only a station with sensors on both sides needs to spend.
-        from measure import TrackFrame  # noqa: PLC0415  see the line above
+        # Half a second that only a station with sensors on both sides needs to spend.
+        import numpy as np  # noqa: PLC0415  see the line above
+
+        from calib import RigidTransform  # noqa: PLC0415
+        from measure import TrackFrame  # noqa: PLC0415
 
         if self.distance_mm is not None:
             return TrackFrame.of_distance(

@@ -10,7 +10,13 @@ from station.storage.space import (
     expected_of_session,
     free_bytes,
 )
-from station.storage.tidying import due_deletions, files_of_recording, recordings_bytes, tidy
+from station.storage.tidying import (
+    due_deletions,
+    files_of_recording,
+    next_to_go,
+    recordings_bytes,
+    tidy,
+)
 from station.storage.unnamed import unnamed_recordings
 
 __all__ = [
@@ -28,6 +34,7 @@ __all__ = [
     "expected_of_session",
     "files_of_recording",
     "free_bytes",
+    "next_to_go",
     "recordings_bytes",
     "tidy",
     "to_delete",

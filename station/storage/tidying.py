@@ -53,6 +53,13 @@ def due_deletions(
     return to_delete(candidates, usage, settings, now)
 
 
+def next_to_go(store: Store, root: Path, *, most: int) -> list[Candidate]:
+    """Return the measured recordings that make way first, whatever asks for it; oldest first."""
+    with store.look() as session:
+        rows = disposable_recordings(session)[:most]
+        return [_candidate(root, row, Kind.MEASURED) for row in rows]
+
+
 def tidy(
     store: Store,
     root: Path,

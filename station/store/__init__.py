@@ -5,6 +5,7 @@ session`` reads one moment.  The functions here take such a session.
 """
 
 from station.store.activations import activate, activate_rig, active, active_rig
+from station.store.alarm_levels import WheelLevels, wheel_levels
 from station.store.audit import STATION, Action, Actor, audit, audit_page
 from station.store.axles import (
     Appearance,
@@ -71,7 +72,15 @@ from station.store.lists import (
     sessions_page,
 )
 from station.store.login_table import Login
-from station.store.logins import add_login, caller_logged_in, end_login
+from station.store.logins import (
+    OpenLogin,
+    add_login,
+    caller_logged_in,
+    end_login,
+    end_login_named,
+    login_name,
+    open_logins,
+)
 from station.store.lookups import (
     counts_by_state,
     frame_totals,
@@ -101,6 +110,15 @@ from station.store.recalibrations import (
     recordings_under,
     running_recalibration,
     settled_until,
+)
+from station.store.recordings_found import (
+    RecordingKind,
+    RecordingSearch,
+    measured_from,
+    measured_together_with,
+    recordings_found,
+    replayed_as,
+    replays_of,
 )
 from station.store.replay_tables import Replay, ReplayMeasurement
 from station.store.replays import measured_by, note_measured, recordings_replayed, replays_page
@@ -143,6 +161,8 @@ from station.store.watched import (
     MeasuredPass,
     WheelsSeen,
     database_bytes,
+    frames_kept_since,
+    has_frames,
     last_measured_pass,
     last_pass_recording,
     last_recalibration,
@@ -189,12 +209,15 @@ __all__ = [
     "MeasuredPass",
     "Measurement",
     "MeasurementProfile",
+    "OpenLogin",
     "Page",
     "Pass",
     "PassState",
     "Recalibration",
     "RecalibrationState",
     "Recording",
+    "RecordingKind",
+    "RecordingSearch",
     "Replay",
     "ReplayMeasurement",
     "Revision",
@@ -208,6 +231,7 @@ __all__ = [
     "Store",
     "Table",
     "Transitions",
+    "WheelLevels",
     "WheelsSeen",
     "activate",
     "activate_rig",
@@ -238,6 +262,7 @@ __all__ = [
     "end",
     "end_following",
     "end_login",
+    "end_login_named",
     "ensure_known",
     "ensure_sound",
     "ensure_unguessable",
@@ -247,7 +272,9 @@ __all__ = [
     "followings_of",
     "forget_call",
     "forget_followed",
+    "frames_kept_since",
     "frame_totals",
+    "has_frames",
     "history_of",
     "issue_key",
     "jobs_page",
@@ -258,7 +285,10 @@ __all__ = [
     "last_measured_pass",
     "last_pass_recording",
     "last_recalibration",
+    "login_name",
     "measured_by",
+    "measured_from",
+    "measured_together_with",
     "measured_recordings",
     "measured_since",
     "measurements_page",
@@ -270,6 +300,7 @@ __all__ = [
     "pass_in_progress",
     "passes_held",
     "passes_page",
+    "open_logins",
     "paths_being_recorded",
     "places_of",
     "profiles_of",
@@ -278,6 +309,7 @@ __all__ = [
     "recalibrations_page",
     "recordings_by_pass",
     "recordings_by_session",
+    "recordings_found",
     "recordings_in_use",
     "recordings_of",
     "recordings_page",
@@ -285,6 +317,8 @@ __all__ = [
     "recordings_taken",
     "recordings_under",
     "replace_axles",
+    "replayed_as",
+    "replays_of",
     "replays_page",
     "report_progress",
     "revision_of",
@@ -304,6 +338,7 @@ __all__ = [
     "uploaded_recordings",
     "usable",
     "used_lately",
+    "wheel_levels",
     "wheels_of",
     "wheels_seen",
 ]

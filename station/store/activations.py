@@ -46,7 +46,7 @@ def activate(
     Raises
     ------
     StateConflict
-        If the calibration is not ready.
+        If the calibration is not ready, or was refused.
     InputUnusable
         If it is a calibration of another sensor.
     VersionMissing
@@ -55,6 +55,7 @@ def activate(
         If another than the one it saw is in force.
     """
     _ensure_fits(calibration, sensor)
+    _ensure_not_refused(calibration)
     present = active(session, sensor)
     new = Activation(
         sensor=sensor,
@@ -92,6 +93,7 @@ def activate_rig(
 ) -> RigActivation:
     """Bring a rig's calibration into force; as `activate`, which see for what it raises."""
     _ensure_ready(f"calibration {calibration.id} of a rig", calibration.state)
+    _ensure_not_refused(calibration)
     if calibration.rig != rig:
         raise InputUnusable(
             f"calibration {calibration.id} is of rig {calibration.rig}, not of {rig}; "
@@ -136,6 +138,15 @@ def _next_version(of: str, present: Activation | RigActivation | None, seen: int
 def _ensure_ready(what: str, state: CalibrationState) -> None:
     if state is not CalibrationState.READY:
         raise StateConflict(f"{what} is {state}; only a ready one can be active", state=state)
+
+
+def _ensure_not_refused(calibration: Calibration | RigCalibration) -> None:
+    if calibration.refused_at is not None:
+        raise StateConflict(
+            f"calibration {calibration.id} was refused by {calibration.refused_by} "
+            f"({calibration.refused_why}); calibrate again",
+            state="refused",
+        )
 
 
 def _ensure_fits(calibration: Calibration, sensor: str) -> None:

@@ -38,6 +38,7 @@ class Action(StrEnum):
     DELETE = "delete"
     FINISH = "finish"
     ORDER = "order"
+    REFUSE = "refuse"
     RESTORE = "restore"
     REVOKE = "revoke"
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
-from sqlalchemy import delete, select
+from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
 from measure import Placing, Side
@@ -20,6 +20,9 @@ class Appearance:
 
     pass_id: str
     opened_at: datetime
+    measurement_id: int
+    calibration_id: str
+    """Of the sensor; of a wheel that several sensors measured together, that of their rig."""
     reference: str
     wheel: JsonObject
 
@@ -92,7 +95,14 @@ def history_of(
         chosen = chosen.where(Pass.opened_at < before.opened_at)
     # Chosen first: sorting all that a wheelset ever was would read every one of its wheels.
     query = (
-        select(Pass.id, Pass.opened_at, Measurement.reference, Measurement.wheel)
+        select(
+            Pass.id,
+            Pass.opened_at,
+            Measurement.id,
+            func.coalesce(Measurement.rig_calibration_id, Measurement.calibration_id),
+            Measurement.reference,
+            Measurement.wheel,
+        )
         .select_from(AxleWheel)
         .join(Pass, AxleWheel.pass_id == Pass.id)
         .join(Measurement, AxleWheel.measurement_id == Measurement.id)

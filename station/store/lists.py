@@ -29,9 +29,19 @@ def passes_page(
     state: PassState | None = None,
     train: str | None = None,
     wheelset: str | None = None,
+    id_holds: str | None = None,
+    train_holds: str | None = None,
 ) -> Page[Pass]:
-    """Return passes by when they were opened; of a `wheelset`, those that it was placed in."""
+    """Return passes by when they were opened; of a `wheelset`, those that it was placed in.
+
+    Of `id_holds` and `train_holds` those that have the text somewhere in their id, or in the name
+    of their train, in small or capital letters.
+    """
     query = select(Pass)
+    if id_holds is not None:
+        query = query.where(Pass.id.icontains(id_holds, autoescape=True))
+    if train_holds is not None:
+        query = query.where(Pass.train.icontains(train_holds, autoescape=True))
     if state is not None:
         query = query.where(Pass.state == state)
     if train is not None:

@@ -165,6 +165,9 @@ class Calibration(Table):
     job_id: Mapped[str]
     document: Mapped[str | None] = mapped_column(Text)
     passed: Mapped[bool | None]  # whether its figures keep the limits
+    refused_at: Mapped[datetime | None]  # where a person will not have it come into force
+    refused_by: Mapped[str | None]
+    refused_why: Mapped[str | None] = mapped_column(Text)
 
 
 class CalibrationPoints(Table):
@@ -205,6 +208,9 @@ class RigCalibration(Table):
     job_id: Mapped[str | None]
     document: Mapped[str | None] = mapped_column(Text)
     passed: Mapped[bool | None]  # whether its figures keep the limits
+    refused_at: Mapped[datetime | None]  # where a person will not have it come into force
+    refused_by: Mapped[str | None]
+    refused_why: Mapped[str | None] = mapped_column(Text)
 
 
 class RigActivation(Table):

@@ -113,6 +113,30 @@ def _seen(wheels: Sequence[JsonObject]) -> WheelsSeen:
     )
 
 
+def has_frames(session: Session, sensor: str) -> bool:
+    """Tell whether there is a closed recording of a sensor, made here, that has frames."""
+    query = (
+        select(Recording.id)
+        .where(Recording.sensor == sensor)
+        .where(Recording.sha256.is_(None))
+        .where(Recording.deleted_at.is_(None))
+        .where(Recording.recorded > 0)
+        .limit(1)
+    )
+    return session.scalar(query) is not None
+
+
+def frames_kept_since(session: Session, since: datetime) -> Mapping[str, int]:
+    """Return how many frames each sensor recorded of what was opened since a moment and is kept."""
+    rows = session.execute(
+        select(Recording.sensor, func.sum(Recording.recorded))
+        .where(Recording.opened_at >= since)
+        .where(Recording.deleted_at.is_(None))
+        .group_by(Recording.sensor)
+    )
+    return {sensor: frames or 0 for sensor, frames in rows}
+
+
 def database_bytes(session: Session) -> int | None:
     """Return the size of a database in PostgreSQL; None of a file, which has its own."""
     if session.get_bind().dialect.name != "postgresql":

@@ -11,6 +11,7 @@ from station.trains.picture import (
     WheelPicture,
     train_picture,
 )
+from station.trains.tallies import AlarmTally, alarm_tallies
 from station.trains.trends import (
     QuantityTrend,
     SideTrend,
@@ -18,9 +19,11 @@ from station.trains.trends import (
     WheelsetTrend,
     wheelset_trend,
 )
+from station.trains.wheels import readings_of
 
 __all__ = [
     "AlarmKind",
+    "AlarmTally",
     "AxleAlarm",
     "AxlePicture",
     "Consist",
@@ -35,7 +38,9 @@ __all__ = [
     "WheelPicture",
     "Wheelset",
     "WheelsetTrend",
+    "alarm_tallies",
     "keep_axles",
+    "readings_of",
     "train_picture",
     "wheelset_trend",
 ]

@@ -27,7 +27,8 @@ def jumps_of(
     before = history_of(session, wheel.wheelset, side=wheel.wheelset_side, before=row)
     history = [Seen.of(each) for each in before]
     own = measured[wheel.measurement_id]
-    now = Seen.of(Appearance(row.id, row.opened_at, own.reference, own.wheel))
+    by = own.rig_calibration_id or own.calibration_id
+    now = Seen.of(Appearance(row.id, row.opened_at, own.id, by, own.reference, own.wheel))
     found = {quantity: jump_to(history, now, quantity, limits) for quantity in limits.of}
     return {
         quantity.value: {

@@ -19,6 +19,9 @@ class TrendValue:
 
     pass_id: str
     at: datetime
+    measurement_id: int
+    calibration_id: str
+    """Of the sensor or the rig that it was measured with."""
     value: float
     u95: float
     status: Status
@@ -106,6 +109,8 @@ def _value(seen: Seen, quantity: Quantity, jump_mm: float | None) -> TrendValue:
     return TrendValue(
         pass_id=seen.pass_id,
         at=seen.at,
+        measurement_id=seen.measurement_id,
+        calibration_id=seen.calibration_id,
         value=reading.value or 0.0,
         u95=reading.u95 or 0.0,
         status=reading.status,

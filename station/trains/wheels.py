@@ -17,6 +17,9 @@ class Seen:
 
     pass_id: str
     at: datetime
+    measurement_id: int
+    calibration_id: str
+    """Of the sensor or the rig."""
     reference: str
     readings: Mapping[Quantity, Reading]
     points: Mapping[Quantity, TrendPoint]
@@ -32,7 +35,15 @@ class Seen:
             for quantity, reading in readings.items()
             if reading.value is not None and reading.u95
         }
-        return cls(found.pass_id, found.opened_at, found.reference, readings, points)
+        return cls(
+            found.pass_id,
+            found.opened_at,
+            found.measurement_id,
+            found.calibration_id,
+            found.reference,
+            readings,
+            points,
+        )
 
 
 def readings_of(row: Measurement) -> dict[Quantity, Reading]:

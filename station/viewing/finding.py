@@ -11,14 +11,9 @@ import numpy as np
 
 from calib import Picture
 from station.errors import NotFound
-from station.recording import (
-    GrowingRecording,
-    RecordedFrame,
-    count_frames,
-    frame_at,
-    left_behind,
-)
+from station.recording import FrameTable, GrowingRecording, RecordedFrame
 from station.viewing.orders import SeenFrame, SharedPicture, ViewOrder
+from station.viewing.tables import Tables
 
 _MOST_GROWING = 8
 """Recordings that are kept open; a station has fewer sensors in use."""
@@ -33,6 +28,8 @@ class Found:
 
     frame: SeenFrame
     picture: Callable[[], Picture]
+    table: FrameTable | None = None
+    """All frames of the recording; None of one that grows, and of a picture that is in none."""
 
 
 class Finder:
@@ -41,6 +38,7 @@ class Finder:
     def __init__(self, clock_s: Callable[[], float] = time.monotonic) -> None:
         self._clock_s = clock_s
         self._growing: OrderedDict[Path, _Newest] = OrderedDict()
+        self._tables = Tables()
 
     def find(self, order: ViewOrder) -> Found:
         """Return the frame that an order wants.
@@ -59,7 +57,7 @@ class Finder:
         if order.growing:
             return self._newest_of(order.recording)
         self._forget(order.recording)
-        return _recorded(order.recording, order.number)
+        return _recorded(self._tables.of(order.recording), order.number)
 
     def _newest_of(self, path: Path) -> Found:
         newest = self._growing.get(path)
@@ -110,14 +108,12 @@ def _found_in(frame: RecordedFrame, number: int) -> Found:
     return Found(seen, lambda: frame.picture)
 
 
-def _recorded(path: Path, number: int | None) -> Found:
-    files = [part for _, part in left_behind(path)]
-    wanted = count_frames(files) if number is None else number
-    if not files or wanted == 0:
+def _recorded(table: FrameTable, number: int | None) -> Found:
+    if len(table) == 0:
         raise NotFound("the recording has no frame on the disk")
-    listed, picture = frame_at(files, wanted)
-    seen = SeenFrame(wanted, listed.frame_id, listed.camera_time_ns, listed.host_time_ns)
-    return Found(seen, lambda: picture)
+    listed, picture = table.frame(len(table) if number is None else number)
+    seen = SeenFrame(listed.number, listed.frame_id, listed.camera_time_ns, listed.host_time_ns)
+    return Found(seen, lambda: picture, table)
 
 
 def _shared(shared: SharedPicture) -> Found:

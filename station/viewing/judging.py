@@ -62,12 +62,13 @@ def focus_json(stripe: StripePoints) -> dict[str, Any] | None:
 
 
 def stripe_json(stripe: StripePoints) -> dict[str, Any]:
-    """Return the points of a stripe, every n-th where there are more than can be drawn."""
-    every = -(-len(stripe) // _MOST_POINTS) or 1
-    centre_px = stripe.centre_px[::every]
+    """Return the points of a stripe, or as many of them as can be drawn, evenly chosen."""
+    count = len(stripe)
+    chosen = np.linspace(0, max(count - 1, 0), min(count, _MOST_POINTS)).round().astype(np.int64)
+    centre_px = stripe.centre_px[chosen]
     return {
-        "points": len(stripe),
+        "points": count,
         "u_px": np.round(centre_px[:, 0], 2).tolist(),
         "v_px": np.round(centre_px[:, 1], 2).tolist(),
-        "sigma_px": np.round(stripe.sigma_px[::every], 4).tolist(),
+        "sigma_px": np.round(stripe.sigma_px[chosen], 4).tolist(),
     }

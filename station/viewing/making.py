@@ -10,10 +10,13 @@ from station.viewing.finding import Found
 from station.viewing.judging import Brightness, focus_json, stripe_json
 from station.viewing.moments import moment
 from station.viewing.orders import Form, SeenFrame, ViewOrder
+from station.viewing.timeline import timeline_json
 
 
 def content_of(found: Found, order: ViewOrder) -> bytes:
     """Return a frame in the form of an order."""
+    if order.form is Form.TIMELINE:
+        return _encoded({**order.about, **timeline_json(found.table, order.frame_ids)})
     picture = found.picture()
     match order.form:
         case Form.JPEG:

@@ -18,6 +18,9 @@ class Form(StrEnum):
     """A JSON document: the picture, the stripe found on it, how bright and how sharp it is."""
     STRIPE = "stripe"
     """The same document without the picture."""
+    TIMELINE = "timeline"
+    """A JSON document of a whole recording that is finished: how its frames and events lie in time.
+    """
 
     @property
     def media_type(self) -> str:
@@ -65,6 +68,8 @@ class ViewOrder:
     """A wider picture is made smaller, px."""
     about: Mapping[str, str | None] = field(default_factory=dict)
     """What a document says besides, as the name of the recording."""
+    frame_ids: tuple[int, ...] = ()
+    """Frames whose places a time line is to tell, as the camera numbers them."""
 
     def __post_init__(self) -> None:
         if (self.recording is None) == (self.shared is None):
@@ -85,6 +90,7 @@ class ViewOrder:
             "form": Form(fields["form"]),
             "recording": None if path is None else Path(path),
             "shared": shared,
+            "frame_ids": tuple(fields["frame_ids"]),
         }
         return cls(**{**fields, **known})
 

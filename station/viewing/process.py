@@ -47,7 +47,8 @@ class Desk:
             return None
         if order.shared is not None:
             return View(found.frame, order.form, content_of(found, order))
-        key = (order.recording, number, order.form, order.max_width, *order.about.items())
+        asked = order.form, order.max_width, order.frame_ids, *order.about.items()
+        key = (order.recording, number, *asked)
         made = self._made.get(key)
         if made is None:
             made = View(found.frame, order.form, content_of(found, order))

@@ -6,7 +6,7 @@ One look serves `/readyz`, `/metrics` and the alarms of `/v1/station`, so that t
 from station.watching.asking import Asker, answers_of
 from station.watching.lookout import Lookout
 from station.watching.outlook import Condition, Outlook, PartState
-from station.watching.troubles import Severity, Trouble, TroubleKind
+from station.watching.troubles import Severity, Trouble, TroubleKind, part_of_sensor
 
 __all__ = [
     "Asker",
@@ -18,4 +18,5 @@ __all__ = [
     "Severity",
     "Trouble",
     "TroubleKind",
+    "part_of_sensor",
 ]

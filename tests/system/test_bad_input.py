@@ -36,9 +36,26 @@ def folder(tmp_path_factory):
     return folder
 
 
-def station(*arguments):
+def in_a_process(*arguments):
+    """What the command says, started as a user starts it."""
     command = [sys.executable, "-m", "station", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+@pytest.fixture
+def station(capfd):
+    """The command in this process: starting another one takes longer than all the rest.
+
+    What a library of C says by itself is heard, too.
+    """
+
+    def station(*arguments):
+        words = [str(word) for word in arguments]
+        code = run(build_app(words[0]), words)
+        said = capfd.readouterr()
+        return subprocess.CompletedProcess(words, code, said.out, said.err)
+
+    return station
 
 
 def refused(done):
@@ -63,7 +80,9 @@ def refused(done):
         ("one", "dots:1x1:12", "allowed"),
     ],
 )
-def test_calibrate_says_what_is_wrong_with_its_input(folder, tmp_path, source, target, said):
+def test_calibrate_says_what_is_wrong_with_its_input(
+    station, folder, tmp_path, source, target, said
+):
     out = tmp_path / "calibration.json"
     message = refused(station("calibrate", folder / source, "--target", target, "--out", out))
     assert said in message
@@ -94,21 +113,15 @@ def points(tmp_path_factory):
 
 
 @pytest.fixture
-def calibrated(points, tmp_path, capsys):
-    """What the command says of edited rows, and the file it was told to write.
-
-    In this process: starting another one takes longer than all the rest.
-    """
+def calibrated(points, tmp_path, station):
+    """What the command says of edited rows, and the file it was told to write."""
     folder, rows = points
 
     def run_on(edit, target=POINTS_TARGET):
         path, out = tmp_path / "points.csv", tmp_path / "calibration.json"
         path.write_text("".join(",".join(row) + "\n" for row in edit([list(row) for row in rows])))
         words = ["calibrate", path, "--target", target, "--camera", folder / "camera.json"]
-        arguments = [str(word) for word in (*words, "--out", out)]
-        code = run(build_app("calibrate"), arguments)
-        said = capsys.readouterr()
-        return subprocess.CompletedProcess(arguments, code, said.out, said.err), out
+        return station(*words, "--out", out), out
 
     return run_on
 
@@ -173,7 +186,7 @@ def test_rows_and_columns_exchanged_are_the_same_board(calibrated):
     assert planes[1] == pytest.approx(planes[0], abs=1e-3)
 
 
-def test_a_camera_of_another_resolution_is_refused(points, folder, tmp_path):
+def test_a_camera_of_another_resolution_is_refused(station, points, folder, tmp_path):
     camera = json.loads((points[0] / "camera.json").read_text())
     other, out = tmp_path / "camera.json", tmp_path / "calibration.json"
     other.write_text(json.dumps({**camera, "width": 1024, "height": 544}))
@@ -183,7 +196,7 @@ def test_a_camera_of_another_resolution_is_refused(points, folder, tmp_path):
     assert "2048 x 1088 px but a camera of 1024 x 544" in message
 
 
-def test_a_lens_that_folds_the_picture_over_is_refused(points, folder, tmp_path):
+def test_a_lens_that_folds_the_picture_over_is_refused(station, points, folder, tmp_path):
     camera = json.loads((points[0] / "camera.json").read_text())
     other, out = tmp_path / "camera.json", tmp_path / "calibration.json"
     other.write_text(json.dumps({**camera, "k1": -50.0}))
@@ -194,7 +207,7 @@ def test_a_lens_that_folds_the_picture_over_is_refused(points, folder, tmp_path)
 
 
 @pytest.mark.parametrize("camera", [True, False])
-def test_pictures_of_one_pixel_are_refused(points, tmp_path, camera):
+def test_pictures_of_one_pixel_are_refused(station, points, tmp_path, camera):
     for name in ("a", "b", "c"):
         cv2.imwrite(str(tmp_path / f"{name}.png"), np.full((1, 1), 90, np.uint8))
     given = ("--camera", points[0] / "camera.json") if camera else ()
@@ -203,7 +216,7 @@ def test_pictures_of_one_pixel_are_refused(points, tmp_path, camera):
     assert ("pictures of 1 x 1 px" if camera else "0 usable pictures") in message
 
 
-def test_a_recording_cut_short_is_refused_with_its_cure(folder, tmp_path):
+def test_a_recording_cut_short_is_refused_with_its_cure(station, folder, tmp_path):
     whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
     assert station("import", folder / "one", "--out", whole).returncode == 0
     data = whole.read_bytes()
@@ -213,14 +226,16 @@ def test_a_recording_cut_short_is_refused_with_its_cure(folder, tmp_path):
     assert "station recording recover" in message
 
 
-def test_measure_says_that_the_calibration_is_none(folder):
+def test_measure_says_that_the_calibration_is_none(station, folder):
     message = refused(station("measure", folder / "one", "--calibration", folder / "text.png"))
     assert "CalibrationDocument" in message
 
 
 def test_record_says_that_no_camera_answers(tmp_path):
     out = tmp_path / "out.mcap"
-    message = refused(station("record", "--camera", "127.99.99.99", "--out", out, "--frames", "1"))
+    message = refused(
+        in_a_process("record", "--camera", "127.99.99.99", "--out", out, "--frames", "1")
+    )
     assert "127.99.99.99" in message
     assert list(tmp_path.iterdir()) == []
 
@@ -235,7 +250,7 @@ def test_serve_says_that_the_port_is_in_use(tmp_path):
             f'data_dir = "{tmp_path / "data"}"\nport = {port}\n'
             '[[sensors]]\nid = "left"\naddress = "127.0.0.1"\n'
         )
-        message = refused(station("serve", "--config", config))
+        message = refused(in_a_process("serve", "--config", config))
     assert str(port) in message
     assert "in use" in message
 
@@ -244,6 +259,8 @@ def test_simulate_says_that_the_address_is_in_use(folder):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.99.99.98", 3956))
         message = refused(
-            station("camera", "simulate", "--address", "127.99.99.98", "--pictures", folder / "one")
+            in_a_process(
+                "camera", "simulate", "--address", "127.99.99.98", "--pictures", folder / "one"
+            )
         )
     assert "127.99.99.98" in message

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from calib.solving.rig.answer import SensorFit, SolvedBoard
 from calib.solving.rig.doubts import Doubts
@@ -30,7 +30,7 @@ def calibration_warnings(problem: RigProblem, solution: RigSolution) -> tuple[st
         f"the pictures contradict the calibration of {name!r}, by "
         f"{np.sqrt(own @ own / len(own)):.2g} of its standard deviations; calibrate it anew"
         for name, own in zip(problem.sensors, solution.place.state.own, strict=True)
-        if len(own) and own @ own > chi2.isf(_CALIBRATION_CHANCE, len(own))
+        if len(own) and own @ own > chdtri(len(own), _CALIBRATION_CHANCE)
     )
 
 

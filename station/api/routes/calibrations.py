@@ -14,6 +14,7 @@ from station.api.etag import etag_of, version_in
 from station.api.list_answers import CalibrationsPage
 from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
+from station.api.recalibration_requests import RefusalRequest
 from station.api.requests import (
     ActivationRequest,
     CalibrationRequest,
@@ -27,6 +28,7 @@ from station.operations import (
     active_calibration,
     calibration_points,
     order_calibration,
+    refuse_calibration,
 )
 from station.settings import SensorId
 from station.store import Calibration, calibrations_page, the
@@ -77,6 +79,15 @@ def get_calibration(calibration_id: IdInPath, parts: PartsOf, _: Reader) -> Cali
     """Return a calibration, with its file when it is ready."""
     with parts.station.store.look() as session:
         row = the(session, Calibration, calibration_id)
+    return CalibrationModel.of(row, json.loads(row.document) if row.document else None)
+
+
+@router.post("/calibrations/{calibration_id}/refusal")
+def post_refusal(
+    calibration_id: IdInPath, body: RefusalRequest, parts: PartsOf, _: Calibrator, by: By
+) -> CalibrationModel:
+    """Refuse a calibration: it stays to be looked at, and cannot come into force."""
+    row = refuse_calibration(parts.station, calibration_id, why=body.reason, by=by)
     return CalibrationModel.of(row, json.loads(row.document) if row.document else None)
 
 

@@ -13,6 +13,7 @@ from station.api.etag import etag_of, version_in
 from station.api.list_answers import RigCalibrationsPage, RigInForcePage
 from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
+from station.api.recalibration_requests import RefusalRequest
 from station.api.requests import (
     ActivationRequest,
     IdInPath,
@@ -27,6 +28,7 @@ from station.operations import (
     active_rig_calibration,
     keep_rig_calibration,
     order_rig_calibration,
+    refuse_rig_calibration,
     rig_at,
 )
 from station.settings import SensorId
@@ -90,6 +92,15 @@ def get_rig_calibration(calibration_id: IdInPath, parts: PartsOf, _: Reader) -> 
     """Return a rig's calibration, with its file when it is ready."""
     with parts.station.store.look() as session:
         row = the(session, RigCalibration, calibration_id)
+    return RigCalibrationModel.of(row, json.loads(row.document) if row.document else None)
+
+
+@router.post("/rig-calibrations/{calibration_id}/refusal")
+def post_rig_refusal(
+    calibration_id: IdInPath, body: RefusalRequest, parts: PartsOf, _: Calibrator, by: By
+) -> RigCalibrationModel:
+    """Refuse a calibration of a rig: it stays to be looked at, and cannot come into force."""
+    row = refuse_rig_calibration(parts.station, calibration_id, why=body.reason, by=by)
     return RigCalibrationModel.of(row, json.loads(row.document) if row.document else None)
 
 

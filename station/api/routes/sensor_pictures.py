@@ -1,4 +1,4 @@
-"""What a sensor sees, and saw last: the picture alone, or in one document with what was found on it.
+"""What a sensor sees, and saw last: a picture, or a document of it and what was found on it.
 
 ``GET /v1/sensors/{sensor}/view?source=latest&max_width=640`` answers ``application/json``::
 
@@ -100,7 +100,7 @@ async def get_sensor_view(
     max_width: WidthAsked = 640,
     if_none_match: HasAlready = None,
 ) -> Response:
-    """Return what a sensor sees or saw last with the stripe, brightness and focus of the picture."""
+    """Return what a sensor sees or saw last, with stripe, brightness and focus of that picture."""
     known = known_in(if_none_match)
     shown = await _shown(parts, caller, sensor_id, source, Form.VIEW, max_width, known)
     return not_modified(if_none_match) if shown is None else answer_of(shown)

@@ -1,5 +1,17 @@
 """Calibration: sessions, reports, what is in force and how it drifts."""
 
-from station.page.calibration.routes import router
+from fastapi import APIRouter
+
+from station.page.calibration import (
+    deciding_routes,
+    history_routes,
+    report_routes,
+    routes,
+    session_routes,
+)
+
+router = APIRouter()
+for part in (routes, session_routes, report_routes, deciding_routes, history_routes):
+    router.include_router(part.router)
 
 __all__ = ["router"]

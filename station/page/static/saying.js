@@ -3,6 +3,8 @@ const GONE_AFTER_MS = 8000;
 
 export function say(text, kind) {
   const place = document.getElementById("said");
+  // A part that is loaded every second fails every second: what stands there is not said again.
+  if ([...place.children].some((line) => line.firstChild.textContent === text)) return;
   const line = document.createElement("div");
   line.className = `said ${kind}`;
   line.append(document.createElement("p"));

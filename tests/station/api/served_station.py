@@ -1,5 +1,7 @@
 """The real API, on a real store and socket; camera and worker are doubles of their clients."""
 
+import asyncio
+import os
 import shutil
 import socket
 import threading
@@ -10,7 +12,7 @@ import httpx
 import uvicorn
 
 from station.api import build_app
-from station.capture import CaptureReport, CaptureState, CaptureStatus
+from station.capture import CaptureReport, CaptureState, CaptureStatus, Look
 from station.errors import CameraUnreachable, StateConflict
 from station.operations import DataLayout, Salvaged, Station, utc_now
 from station.serve.web import server_config
@@ -63,6 +65,14 @@ class FakeCapture:
         self.pictures += 1
         return self.pictures
 
+    def look(self):
+        self._ensure_works()
+        if self.plan is not None:
+            raise StateConflict("the sensor is recording", state="recording")
+        descriptor = os.memfd_create("look")
+        os.write(descriptor, bytes(64 * 48))
+        return Look(descriptor, 64, 48, 1_782_907_200_000_000_000)
+
     def finish(self, expected_frames=None):
         if self.gate is not None:
             self.gate.wait(5.0)
@@ -106,6 +116,26 @@ SENSORS = (
     {"id": "left", "address": "127.0.0.2"},
     {"id": "right", "address": "127.0.0.3", "side": "right"},
 )
+
+
+class _HastyAsyncio:
+    """What uvicorn knows as asyncio, with shorter sleeps.
+
+    It looks every tenth of a second whether it is to end, and waits as long for the ones who are
+    connected: a minute of waiting over all tests.
+    """
+
+    def __getattr__(self, name):
+        return getattr(asyncio, name)
+
+    @staticmethod
+    async def sleep(delay_s):
+        await asyncio.sleep(min(delay_s, 0.005))
+
+
+def end_servers_at_once(monkeypatch):
+    """Have every server of this process end as soon as it is told to."""
+    monkeypatch.setattr(uvicorn.server, "asyncio", _HastyAsyncio())
 
 
 class Served:

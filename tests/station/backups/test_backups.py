@@ -10,6 +10,7 @@ import threading
 from datetime import UTC, datetime
 
 import pytest
+from newest_schema import make_store
 from sqlalchemy import text
 
 from station.backups import make_backup, restore_backup
@@ -29,7 +30,7 @@ def layout(any_url, tmp_path):
     root = tmp_path / "data"
     root.mkdir()
     layout = DataLayout(root, None if any_url.startswith("sqlite") else any_url)
-    migrate(layout.store_url)
+    make_store(layout.store_url)
     return layout
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from newest_schema import make_store
 from sqlalchemy import select
 
 from station.bench import BENCHES
@@ -73,6 +74,7 @@ def test_no_kill_loses_what_was_recorded_or_doubles_a_reading(kills, victims):
 def ground(tmp_path):
     """A measured pass of three wheels, as a station leaves it: its layout and its store."""
     layout = DataLayout(tmp_path / "data")
+    make_store(layout.store_url)
     bring_calibration_into_force(layout)
     store = Store.open(layout.store_url)
     path = layout.root / layout.pass_recording("p1", SENSOR)

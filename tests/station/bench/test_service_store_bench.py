@@ -5,13 +5,14 @@ wheels is what the bench itself is for."""
 import re
 
 import pytest
+from newest_schema import make_store
 from sqlalchemy import event
 
 from measure import Limits, Side
 from station.bench.service.filled_store import Traffic, fill
 from station.bench.service.store import bench_service_store
 from station.progress import silent
-from station.store import Store, measurements_page, migrate, places_of, profiles_of
+from station.store import Store, measurements_page, places_of, profiles_of
 from station.trains import wheelset_trend
 
 TRAFFIC = Traffic(passes=6, axles=5, trains=2)
@@ -19,7 +20,7 @@ TRAFFIC = Traffic(passes=6, axles=5, trains=2)
 
 @pytest.fixture
 def filled(any_url):
-    migrate(any_url)
+    make_store(any_url)
     store = Store.open(any_url)
     fill(store, TRAFFIC, silent)
     yield store

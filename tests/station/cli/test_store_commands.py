@@ -4,10 +4,11 @@ import json
 from datetime import UTC, datetime
 
 import pytest
+from newest_schema import make_store
 
 from station.cli.main import build_app, run
 from station.operations import DataLayout
-from station.store import Action, Actor, Store, audit, migrate
+from station.store import Action, Actor, Store, audit
 from station.worker import held
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
@@ -41,7 +42,7 @@ def station(config, capsys):
 @pytest.fixture
 def trail(layout):
     """A store with two entries in its audit trail."""
-    migrate(layout.store_url)
+    make_store(layout.store_url)
     store = Store.open(layout.store_url)
     with store.change() as session:
         plc = Actor("plc", "10.0.0.7")

@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from demo_station_pictures import TRIGGERS_AN_AXLE
 from demo_station_truth import HEIGHT_PX, SENSORS, WIDTH_PX
 
 from calib import Picture
 from station.simulated import SimulatedCameraProcess
 
-_SAME_AXLE_S, _NEXT_AXLE_S = 0.019, 0.4
+_NEXT_AXLE_S = 0.4
 Shown = Literal["train", "target"]
 
 
@@ -93,15 +92,11 @@ class DemoCameras:
         following.write_text(f"{film} {self._turns}")
         following.replace(self._put_on)
 
-    def roll_train_by(self, axles: int) -> int:
-        """Trigger all cameras by their Line1 as axles come by; return the triggers of each."""
-        started_s, triggers = time.monotonic(), 0
+    def roll_train_by(self, axles: int) -> None:
+        """Trigger all cameras by their Line1 as axles come by, once each."""
+        started_s = time.monotonic()
         for axle in range(axles):
-            for shot in range(TRIGGERS_AN_AXLE):
-                due_s = started_s + axle * _NEXT_AXLE_S + shot * _SAME_AXLE_S
-                time.sleep(max(0.0, due_s - time.monotonic()))
-                now_ns = time.time_ns()
-                for camera in self.by_sensor.values():
-                    camera.trigger_line1(now_ns)
-                triggers += 1
-        return triggers
+            time.sleep(max(0.0, started_s + axle * _NEXT_AXLE_S - time.monotonic()))
+            now_ns = time.time_ns()
+            for camera in self.by_sensor.values():
+                camera.trigger_line1(now_ns)

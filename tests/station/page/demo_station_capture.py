@@ -1,5 +1,6 @@
 """A capture process's place taken by films: what it records is real, and so is how it accounts."""
 
+import os
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -8,8 +9,9 @@ from functools import partial
 import numpy as np
 
 from calib import Picture
-from station.capture import CaptureReport, CaptureState, CaptureStatus, RecordingPlan
+from station.capture import CaptureReport, CaptureState, CaptureStatus, RecordingPlan, Trigger
 from station.capture.accounting import FrameAccount
+from station.capture.look import Look
 from station.errors import StateConflict
 from station.recording import CameraNumbers, Event, EventKind, RotatingWriter
 from station.software import SOFTWARE
@@ -17,10 +19,11 @@ from station.software import SOFTWARE
 
 @dataclass(frozen=True)
 class Exposure:
-    """A picture taken so long after a recording began; None of a frame that never arrived."""
+    """A picture that a camera takes; None of a frame that gets lost."""
 
-    after_ns: int
     picture: Picture | None
+    at_ns: int | None = None
+    """When; None where it is triggered by a command, and taken then."""
 
 
 class FilmedCapture:
@@ -35,10 +38,6 @@ class FilmedCapture:
     def show(self, film: Iterable[Exposure]) -> None:
         """Have the camera see this from now on."""
         self._film = deque(film)
-
-    def showing_since(self, now_ns: int) -> None:
-        """Take the next picture now, not when the recording began."""
-        self._began_ns = now_ns
 
     def status(self) -> CaptureStatus:
         plan = self._plan
@@ -74,9 +73,8 @@ class FilmedCapture:
             now_ns=self._now_ns,
         )
         self._plan, self._events, self._triggered = plan, list[Event](), 0
-        self._began_ns = self._now_ns()
         self._account = FrameAccount(self._now_ns, self._note)
-        self._note(Event(EventKind.STARTED, self._began_ns, plan.session_id))
+        self._note(Event(EventKind.STARTED, self._now_ns(), plan.session_id))
 
     def trigger(self) -> int:
         if self._plan is None:
@@ -88,7 +86,9 @@ class FilmedCapture:
         if self._plan is None:
             raise StateConflict("nothing is recorded", state="idle")
         plan = self._plan
-        if str(plan.trigger) != "software":  # the whole film has been seen by the end of a pass
+        if (
+            plan.trigger is not Trigger.SOFTWARE
+        ):  # the whole film has been seen by the end of a pass
             while self._film:
                 self._expose()
         account = self._account
@@ -103,14 +103,23 @@ class FilmedCapture:
             self._totals[name] += getattr(account, name)
         return report
 
+    def look(self) -> Look:
+        if self._plan is not None:
+            raise StateConflict("a recording runs; look when it is over", state="recording")
+        seen = next(each.picture for each in self._film if each.picture is not None)
+        descriptor = os.memfd_create("look")
+        with os.fdopen(descriptor, "wb", closefd=False) as memory:
+            memory.write(np.ascontiguousarray(seen).data)
+        height, width = seen.shape
+        return Look(descriptor, width, height, self._now_ns())
+
     def _expose(self) -> None:
         exposure = self._film.popleft()
         self._triggered += 1
         if exposure.picture is None:
             return
-        time_ns = self._began_ns + exposure.after_ns
-        if not self._account.arrive(self._triggered, None):
-            return
+        time_ns = self._now_ns() if exposure.at_ns is None else exposure.at_ns
+        self._account.arrive(self._triggered, None)
         picture = np.ascontiguousarray(exposure.picture)
         height, width = picture.shape
         self._writer.write_frame(

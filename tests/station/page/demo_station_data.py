@@ -1,8 +1,10 @@
-"""The data of the demo station in a folder: made once, kept, and copied for whoever plays with it."""
+"""The data of the demo station in a folder: made once, kept, copied for whoever plays with it."""
 
 import json
 import os
 import shutil
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,7 +17,6 @@ from demo_station_story import Told, tell
 from demo_station_truth import Truth
 from demo_station_worker import Clock
 
-from station.processes.one_core import use_one_core
 from station.settings import load_settings
 
 SEED = 20261
@@ -33,8 +34,11 @@ class DemoData:
     @classmethod
     def made(cls, folder: Path, *, seed: int = SEED, end: datetime | None = None) -> "DemoData":
         """Make it in a folder that is empty or not there; the story ends now, to the minute."""
-        use_one_core()
-        cv2.setNumThreads(1)
+        with _one_core():
+            return cls._made(folder, seed, end)
+
+    @classmethod
+    def _made(cls, folder: Path, seed: int, end: datetime | None) -> "DemoData":
         end = end or datetime.now(UTC).replace(second=0, microsecond=0)
         truth = Truth(seed)
         pictures = Pictures.rendered(truth)
@@ -73,6 +77,17 @@ class DemoData:
         copy = folder / "data"
         shutil.copytree(self.folder / "data", copy, copy_function=_link_or_copy)
         return copy
+
+
+@contextmanager
+def _one_core() -> Generator[None]:
+    """Leave the other cores to others, as the worker does; afterwards as it was."""
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)
 
 
 def _link_or_copy(source: str, target: str) -> str:

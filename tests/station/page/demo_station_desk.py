@@ -1,4 +1,4 @@
-"""The desks of the demo station: its own operations, by a clock that is set and films it is shown."""
+"""The desks of the demo station: its own operations, by a clock that is set, before films."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -7,13 +7,14 @@ from itertools import count
 
 from demo_station_capture import Exposure, FilmedCapture
 from demo_station_pictures import Pictures
-from demo_station_truth import BOARD_SIGMA_MM, BOARDS, INNER, OUTER, RIG, RIGHT, SENSORS
+from demo_station_truth import BOARD_SIGMA_MM, BOARDS, INNER, OUTER, RIG, SENSORS
 from demo_station_worker import Clock, WorkerHere
 
 from calib import Picture
 from station.operations import (
     CalibrationOrder,
     DataLayout,
+    MethodName,
     Passes,
     RigCalibrationOrder,
     SessionOrder,
@@ -76,10 +77,9 @@ class Desk:
     ) -> None:
         """Have a train pass, axle by axle, and its wheels measured."""
         self.passes.open(pass_id, train=name, by=CONTROLLER, consist=consist)
-        self.clock.wait(seconds=3.0)
+        self.clock.wait(seconds=7.0)
         for sensor, film in self.films.items():
-            film.show(_film(axles, sensor))
-        # Each axle gives as many triggers as it has shots; sensors miss what the films lack.
+            film.show(_film(axles, sensor, self.clock.ns()))
         triggers = sum(len(shots) for shots in axles)
         self.clock.wait(seconds=0.5 * len(axles) + 2.0)
         self.passes.finish(
@@ -95,18 +95,18 @@ class Desk:
         """Take a calibration session of what is shown to one sensor, or to those of the rig."""
         self.sessions.open(name, _order(shown), by=by)
         for sensor, pictures in shown.items():
-            self.films[sensor].show(Exposure(0, picture) for picture in pictures)
+            self.films[sensor].show(Exposure(picture) for picture in pictures)
         for number in range(min(len(pictures) for pictures in shown.values())):
-            for film in self.films.values():
-                film.showing_since(self.clock.ns())
             self.sessions.take_picture(name, name=f"{name}-{number}", by=by)
             self.clock.wait(seconds=20.0)
         if finish:
             self.sessions.finish(name, by=by)
 
-    def calibrate(self, sensor: str, session: str, *, by: Actor) -> str:
+    def calibrate(
+        self, sensor: str, session: str, *, by: Actor, method: MethodName = "joint"
+    ) -> str:
         """Have a sensor calibrated from a session; return the calibration's id."""
-        order = CalibrationOrder(sensor, "joint", session, (), None, ())
+        order = CalibrationOrder(sensor, method, session, (), None, ())
         calibration, _ = order_calibration(self.station, order, by=by)
         return calibration.id
 
@@ -141,11 +141,11 @@ def _order(shown: Mapping[str, object]) -> SessionOrder:
     return SessionOrder(target=BOARDS[sensor], sensor=sensor)
 
 
-def _film(axles: Sequence[Sequence[Shot]], sensor: str) -> Iterable[Exposure]:
+def _film(axles: Sequence[Sequence[Shot]], sensor: str, since_ns: int) -> Iterable[Exposure]:
     for axle, shots in enumerate(axles):
         for shot, pictures in enumerate(shots):
-            after_ns = 4_000_000_000 + axle * _NEXT_AXLE_NS + shot * _SAME_AXLE_NS
-            yield Exposure(after_ns, pictures[sensor])
+            after_ns = axle * _NEXT_AXLE_NS + shot * _SAME_AXLE_NS
+            yield Exposure(pictures[sensor], since_ns + after_ns)
 
 
 def days_before(end: datetime, days: float) -> datetime:
@@ -153,7 +153,6 @@ def days_before(end: datetime, days: float) -> datetime:
     return end - timedelta(days=days)
 
 
-def shots_of(pictures: Pictures, level: int) -> list[dict[str, Picture | None]]:
+def shots_of(pictures: Pictures, level: int, shots: int = 1) -> list[dict[str, Picture | None]]:
     """Return what all sensors take of an axle at a stage of its wear."""
-    shots = len(pictures.wheels[RIGHT][level])
     return [{name: pictures.wheels[name][level][shot] for name in SENSORS} for shot in range(shots)]

@@ -5,13 +5,12 @@ from pathlib import Path
 
 import numpy as np
 from demo_station_truth import (
+    FIRST_LIGHTS,
     HEIGHT_PX,
     INNER,
     LEVELS,
     NIGHT_POSES,
-    OFFSETS_MM,
     OUTER,
-    POSES,
     RIGHT,
     SENSORS,
     WIDTH_PX,
@@ -19,6 +18,7 @@ from demo_station_truth import (
 )
 
 from calib import Picture
+from station.scenes import Light
 
 _DARK_LEVEL, _DARK_SIGMA = 8.0, 2.0
 
@@ -44,9 +44,10 @@ class Pictures:
         targets = {
             name: [showing[name].render(rng) for showing in showings] for name in (INNER, OUTER)
         }
-        targets[RIGHT] = [scene.render(rng) for scene in truth.poses(POSES, 0)]
+        targets[RIGHT] = [scene.render(rng) for scene in truth.poses(FIRST_LIGHTS, 0)]
+        in_good_light = [Light.GOOD] * NIGHT_POSES
         nights = [
-            [scene.render(rng) for scene in truth.poses(NIGHT_POSES, draw, drifting=draw > 2)]
+            [scene.render(rng) for scene in truth.poses(in_good_light, draw, drifting=draw > 2)]
             for draw in range(1, 5)
         ]
         shots = [truth.shots(level) for level in range(LEVELS)]
@@ -67,10 +68,7 @@ class Pictures:
         """Put into a folder what the simulated cameras show: a train, and a target."""
         folder.mkdir(parents=True)
         for sensor, of_levels in self.wheels.items():
-            # As they come by: stage after stage, trigger after trigger.
-            train = [picture for of_level in of_levels for picture in of_level]
+            # As they come by: stage after stage.
+            train = [of_level[0] for of_level in of_levels]
             np.save(folder / f"train-{sensor}.npy", np.stack(train))
             np.save(folder / f"target-{sensor}.npy", np.stack(self.targets[sensor]))
-
-
-TRIGGERS_AN_AXLE = len(OFFSETS_MM)

@@ -28,7 +28,7 @@ def main() -> None:
         data = DemoData.kept(given.data or folder / "built")
         (folder / "served").mkdir()
         serving = (
-            served_quietly(data, folder / "served")
+            served_quietly(data, folder / "served", port=given.port)
             if given.quiet
             else served(data, folder / "served", port=given.port)
         )

@@ -3,36 +3,22 @@
 import json
 import os
 import secrets
-import socket
 import subprocess
 import sys
-import threading
-import time
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import cycle, islice
 from pathlib import Path
 
 import httpx
-import uvicorn
 from demo_station_cameras import DemoCameras
-from demo_station_capture import Exposure
 from demo_station_data import SEED, DemoData
-from demo_station_desk import Desk
-from demo_station_pictures import Pictures
 from demo_station_settings import write_settings
-from demo_station_story import OPERATOR
-from demo_station_truth import RIGHT, SENSORS, Truth
-from demo_station_worker import HostClock
+from demo_station_truth import BOARDS, RIGHT, SENSORS, Truth
 
-from station.api import build_app
 from station.client import StationClient
-from station.serve.web import server_config
-from station.settings import load_settings
 
 PATIENCE_S = 90.0
-LIVE_SESSION, LIVE_PICTURES = "right-today", 7
 
 
 @dataclass
@@ -54,15 +40,31 @@ class Demo:
         with StationClient.connect(self.url, self.keys[scope]) as client:
             yield client
 
+    def ask(self, path: str, scope: str = "read") -> httpx.Response:
+        """Return the answer to a GET."""
+        headers = {"Authorization": f"Bearer {self.keys[scope]}"}
+        return httpx.get(
+            f"{self.url}{path}", headers=headers, timeout=PATIENCE_S, trust_env=False
+        ).raise_for_status()
+
     def pass_live(self, pass_id: str, *, axles: int = 4, train: str | None = "live") -> None:
         """Have a train go by, recorded and measured; returns when that is done."""
         assert self.cameras is not None, "the API alone has no cameras"
-        self.cameras.show("train")
         with self.client("operate") as client:
             client.arm_pass(pass_id, train=train)
-            triggers = self.cameras.roll_train_by(axles)
-            client.finish_pass(pass_id, triggers=dict.fromkeys(SENSORS, triggers), axles=axles)
+            self.cameras.show("train")  # once nobody can look through them any more
+            self.cameras.roll_train_by(axles)
+            client.finish_pass(pass_id, triggers=dict.fromkeys(SENSORS, axles), axles=axles)
             client.await_pass(pass_id, timeout_s=PATIENCE_S)
+
+    def show_target(self, session: str, *, pictures: int = 6) -> None:
+        """Open a calibration session of the right sensor, and take pictures of its target."""
+        assert self.cameras is not None, "the API alone has no cameras"
+        with self.client("calibrate") as client:
+            client.open_calibration_session(session, sensor=RIGHT, target=str(BOARDS[RIGHT]))
+            self.cameras.show("target")
+            for _ in range(pictures):
+                client.capture(session)
 
 
 @contextmanager
@@ -73,24 +75,44 @@ def served(data: DemoData, folder: Path, *, port: int = 0) -> Generator[Demo]:
     config = write_settings(
         folder / "station.toml", Truth(SEED), addresses=cameras.addresses, port=port
     )
-    log = folder / "station.log"
     try:
         cameras.start()
-        with log.open("w") as stderr:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "station", "serve", "--config", config, "--json"],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=stderr,
-                text=True,
-                env=_environment(folder),
-            )
-        try:
-            yield Demo(_url_once_ready(process, log), dict(data.told.keys), data, folder, cameras)
-        finally:
-            _end(process)
+        with _running(["-m", "station", "serve", "--config", config, "--json"], folder) as url:
+            yield Demo(url, dict(data.told.keys), data, folder, cameras)
     finally:
         cameras.stop()
+
+
+@contextmanager
+def served_quietly(data: DemoData, folder: Path, *, port: int = 0) -> Generator[Demo]:
+    """Serve API and pages alone on a copy of the data, with films in place of cameras.
+
+    A calibration session is open: `LIVE_SESSION`, with `LIVE_PICTURES` pictures.
+    """
+    data.copy_to(folder)
+    write_settings(folder / "station.toml", Truth(SEED), port=port)
+    program = Path(__file__).with_name("demo_station_quiet.py")
+    with _running([program, folder, data.films], folder) as url:
+        yield Demo(url, dict(data.told.keys), data, folder)
+
+
+@contextmanager
+def _running(command: Sequence[str | Path], folder: Path) -> Generator[str]:
+    """Run a command of this Python; yield the URL that it says once it is ready."""
+    log = folder / "station.log"
+    with log.open("w") as stderr:
+        process = subprocess.Popen(
+            [sys.executable, *command],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=stderr,
+            text=True,
+            env=_environment(folder),
+        )
+    try:
+        yield _url_once_ready(process, log)
+    finally:
+        _end(process)
 
 
 def _environment(folder: Path) -> dict[str, str]:
@@ -118,47 +140,3 @@ def _end(process: "subprocess.Popen[str]") -> None:
         process.wait()
     assert process.stdout is not None
     process.stdout.close()
-
-
-@contextmanager
-def served_quietly(data: DemoData, folder: Path) -> Generator[Demo]:
-    """Serve the API alone on a copy of the data; films take the cameras' place.
-
-    A calibration session is open: `LIVE_SESSION`, with `LIVE_PICTURES` pictures.
-    """
-    data.copy_to(folder)
-    settings = load_settings(write_settings(folder / "station.toml", Truth(SEED)))
-    desk = Desk(settings, Pictures.of_films(data.films), HostClock())
-    _open_session(desk)
-    app = build_app(desk.station, admin_key=None, worker_ready=lambda: True)
-    listening = socket.create_server(("127.0.0.1", 0))
-    server = uvicorn.Server(server_config(app, settings))
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
-    thread.start()
-    url = f"http://127.0.0.1:{listening.getsockname()[1]}"
-    try:
-        _await(url)
-        yield Demo(url, dict(data.told.keys), data, folder)
-    finally:
-        server.should_exit = True
-        thread.join(PATIENCE_S)
-        desk.store.close()
-
-
-def _open_session(desk: Desk) -> None:
-    pictures = desk.pictures.targets[RIGHT]
-    desk.session(LIVE_SESSION, {RIGHT: pictures[:LIVE_PICTURES]}, by=OPERATOR, finish=False)
-    # Whoever presses the button takes more.
-    desk.films[RIGHT].show(Exposure(0, picture) for picture in islice(cycle(pictures), 500))
-
-
-def _await(url: str) -> None:
-    until_s = time.monotonic() + PATIENCE_S
-    while True:
-        try:
-            httpx.get(f"{url}/healthz", trust_env=False, timeout=PATIENCE_S)
-        except httpx.TransportError:
-            assert time.monotonic() < until_s, "the API does not answer"
-            time.sleep(0.05)
-        else:
-            return

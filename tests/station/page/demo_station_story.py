@@ -1,6 +1,5 @@
 """What happened at the demo station in the six weeks before now."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
@@ -18,7 +17,8 @@ from station.operations import (
 )
 from station.operations.inspection import Inspected
 from station.recalibration import Schedule
-from station.store import Actor, JobKind, Recalibration, RecalibrationState, Scope, the
+from station.recording.inspecting import inspect
+from station.store import Actor, JobKind, Recalibration, RecalibrationState, Scope
 from station.trains import Consist, Wheelset
 from station.worker.scheduling import order_what_is_owed
 
@@ -31,44 +31,46 @@ SCRIPT = '<script>alert("x")</script>'
 TRAIN = "RB 17"
 VEHICLE = "DBpza 752"
 PASSES = tuple(f"rb17-{week}" for week in range(1, 7))
-LOST_FRAME, DARK_WHEEL = PASSES[2], "freight-88"
+LOST_FRAME, DARK_WHEEL, UNSEEN_TRAIN = PASSES[2], "freight-88", "shunting-3"
 
 
 @dataclass(frozen=True)
 class Told:
     """What of the story tests name."""
 
-    calibrations: Mapping[str, str]
-    """By what they are, as ``right-1``."""
+    calibrations: dict[str, str]
+    """By what they are of, as ``right-1``."""
     upload: str
     replay: str
-    keys: Mapping[str, str]
+    keys: dict[str, str]
     """The text of a key of each scope."""
 
 
 def tell(desk: Desk, end: datetime) -> Told:
     """Let it all happen; the clock then stands at the end."""
-    keys = _keys(desk)
-    calibrations = _calibrate_all(desk)
-    upload = replay = ""
-    for week, pass_id in enumerate(PASSES):
-        desk.clock.set(days_before(end, 38.0 - 7.0 * week))
-        _weekly(desk, pass_id, week)
-        match week:
-            case 1:
-                calibrations["right-2"] = _second_calibration(desk, days_before(end, 30.0))
-            case 2:
-                _failed_calibration(desk, days_before(end, 20.0))
-            case 3:
-                _night(desk, "right-night-1", 1, days_before(end, 14.0))
-            case 4:
-                upload = _guests(desk, days_before(end, 9.0))
-                _night(desk, "right-night-2", 2, days_before(end, 6.0))
-                _refuse(desk)
-    replay = _replay(desk, calibrations)
-    _night(desk, "right-night-3", 3, days_before(end, 1.6))
-    _last_night(desk, end)
-    desk.clock.set(end)
+    keys, calibrations = _keys(desk), _calibrate_all(desk)
+
+    def at(days: float) -> Desk:
+        desk.clock.set(days_before(end, days))
+        return desk
+
+    _weekly(at(35.1), 0)
+    calibrations["right-2"] = _second_calibration(at(30.0))
+    _weekly(at(28.1), 1)
+    _weekly(at(21.1), 2)
+    _failed_calibration(at(20.0))
+    _weekly(at(14.1), 3)
+    _night(at(13.6), "right-night-1", 1)
+    upload = _guests(at(9.0))
+    _weekly(at(7.1), 4)
+    _night(at(6.0), "right-night-2", 2)
+    _refuse(desk)
+    replay = _replay(at(4.0), calibrations)
+    _night(at(1.6), "right-night-3", 3)
+    _catch_up(desk, days_before(end, 0.1))
+    _weekly(at(0.1), 5)
+    _catch_up(desk, end)
+    at(0.0)
     return Told(calibrations, upload, replay, keys)
 
 
@@ -99,11 +101,18 @@ def _calibrate_all(desk: Desk) -> dict[str, str]:
     desk.session("right-spring", {RIGHT: targets[RIGHT]}, by=METROLOGIST)
     calibrations["right-1"] = desk.calibrate(RIGHT, "right-spring", by=METROLOGIST)
     desk.activate(RIGHT, calibrations["right-1"], by=METROLOGIST)
+    # By the old method too, to see what it leaves out; nobody brought that into force.
+    calibrations["right-preplanar"] = desk.calibrate(
+        RIGHT, "right-spring", by=SECOND, method="preplanar"
+    )
     return calibrations
 
 
-def _weekly(desk: Desk, pass_id: str, week: int) -> None:
-    axles = [shots_of(desk.pictures, place + week) for place in range(4)]
+def _weekly(desk: Desk, week: int) -> None:
+    """Have the train pass that comes every week, its wheels worn a little more each time."""
+    pass_id = PASSES[week]
+    shots = 2 if pass_id == LOST_FRAME else 1
+    axles = [shots_of(desk.pictures, place + week, shots) for place in range(4)]
     if pass_id == LOST_FRAME:
         axles[1][0][OUTER] = None
         axles[3][1][RIGHT] = None
@@ -121,39 +130,36 @@ def _consist() -> Consist:
     )
 
 
-def _second_calibration(desk: Desk, at: datetime) -> str:
-    desk.clock.set(at)
+def _second_calibration(desk: Desk) -> str:
     desk.session("right-may", {RIGHT: desk.pictures.nights[0]}, by=SECOND)
     name = desk.calibrate(RIGHT, "right-may", by=SECOND)
     desk.activate(RIGHT, name, by=SECOND)
     return name
 
 
-def _failed_calibration(desk: Desk, at: datetime) -> None:
+def _failed_calibration(desk: Desk) -> None:
     """Calibrate from two pictures, which are too few."""
-    desk.clock.set(at)
     desk.session("right-too-few", {RIGHT: desk.pictures.nights[0][:2]}, by=SECOND)
     desk.calibrate(RIGHT, "right-too-few", by=SECOND)
 
 
-def _guests(desk: Desk, at: datetime) -> str:
+def _guests(desk: Desk) -> str:
     """Let other trains come: one longer with a wheel nobody can measure, one nobody saw."""
-    desk.clock.set(at)
     pictures = desk.pictures
-    axles = [shots_of(pictures, level) for level in (0, 1, 2, 3, 4, 5)]
+    axles = [shots_of(pictures, level) for level in range(6)]
     for shot in axles[2]:
         shot[RIGHT] = pictures.dark
     desk.train(DARK_WHEEL, axles, name=SCRIPT)
     desk.clock.wait(hours=1)
     nothing: dict[str, Picture | None] = dict.fromkeys(desk.films)
-    desk.train("shunting-3", [[nothing, nothing]] * 4, name="shunting")
+    desk.train(UNSEEN_TRAIN, [[nothing]] * 4, name="shunting")
     desk.clock.wait(hours=1)
     return _upload(desk)
 
 
 def _upload(desk: Desk) -> str:
     """Take in a recording that was made elsewhere: here, of a pass whose row is another's."""
-    uploads = Uploads(desk.station, inspect=lambda _: Inspected(RIGHT, 8, 0))
+    uploads = Uploads(desk.station, inspect=lambda path: Inspected(**inspect(path)))
     source = desk.station.layout.root / desk.station.layout.pass_recording(PASSES[0], RIGHT)
     body = source.read_bytes()
     upload = uploads.begin(len(body))
@@ -162,15 +168,19 @@ def _upload(desk: Desk) -> str:
     return row.id
 
 
-def _night(desk: Desk, session: str, draw: int, at: datetime) -> None:
-    """Show the right sensor its target in the evening; have all recalibrated in the night."""
-    desk.clock.set(at)
+def _night(desk: Desk, session: str, draw: int) -> None:
+    """Show the right sensor its target; have all recalibrated in the night that follows."""
     desk.session(session, {RIGHT: desk.pictures.nights[draw]}, by=OPERATOR)
-    _recalibrate(desk, _schedule(desk).next_due(desk.clock()))
+    schedule = _schedule(desk)
+    desk.clock.set(schedule.next_due(desk.clock()) + timedelta(seconds=1))
+    _recalibrate(desk)
 
 
-def _last_night(desk: Desk, end: datetime) -> None:
-    _recalibrate(desk, _schedule(desk).last_due(end))
+def _catch_up(desk: Desk, until: datetime) -> None:
+    """Have what the schedule owes by a moment done when it was due."""
+    due = _schedule(desk).last_due(until) + timedelta(seconds=1)
+    desk.clock.set(max(due, desk.clock()))
+    _recalibrate(desk)
 
 
 def _schedule(desk: Desk) -> Schedule:
@@ -179,8 +189,7 @@ def _schedule(desk: Desk) -> Schedule:
     return schedule
 
 
-def _recalibrate(desk: Desk, due: datetime) -> None:
-    desk.clock.set(max(due + timedelta(seconds=1), desk.clock()))
+def _recalibrate(desk: Desk) -> None:
     for row in order_what_is_owed(desk.worker.context):
         desk.worker.submit(JobKind.RECALIBRATE, row.job_id)
 
@@ -199,9 +208,8 @@ def _refuse(desk: Desk) -> None:
         )
 
 
-def _replay(desk: Desk, calibrations: Mapping[str, str]) -> str:
+def _replay(desk: Desk, calibrations: dict[str, str]) -> str:
     """Have what the right sensor recorded measured with its first calibration; cancel another."""
-    desk.clock.wait(hours=2)
     order = ReplayOrder((f"pass.{PASSES[4]}.{RIGHT}",), None, {RIGHT: calibrations["right-1"]})
     done = order_replay(desk.station, order, by=METROLOGIST).row
     desk.worker.resting = True
@@ -209,5 +217,4 @@ def _replay(desk: Desk, calibrations: Mapping[str, str]) -> str:
     desk.clock.wait(minutes=1)
     cancel_job(desk.station, view.job.id, by=OPERATOR)
     desk.worker.resting = False
-    with desk.store.look() as session:
-        return the(session, type(done), done.id).id
+    return done.id

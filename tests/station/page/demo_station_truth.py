@@ -1,9 +1,10 @@
-"""What is true at the demo station: its sensors, the targets shown to them, the wheels of its trains.
+"""What is true at the demo station: its sensors, what is shown to them, the wheels of its trains.
 
 Cameras of a quarter of the paper's pixels: pictures that cost a quarter to render, write and
 measure, and readings that are as real.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,16 +28,21 @@ INNER, OUTER, RIGHT = "left-inner", "left-outer", "right"
 SENSORS = (INNER, OUTER, RIGHT)
 RIG = "left"
 WIDTH_PX, HEIGHT_PX = 1024, 544
-SHOWINGS, POSES, NIGHT_POSES = 12, 12, 8
-"""Of the rig's target, of the right sensor's, and of that in a night."""
+SHOWINGS, NIGHT_POSES = 10, 6
+"""Of the rig's target, and of the right sensor's in a night."""
+BAD_LIGHTS = (Light.REFLECTION, Light.OVER_EXPOSED, Light.CROSSING, Light.STRAY)
+FIRST_LIGHTS = (Light.GOOD,) * 6 + BAD_LIGHTS
+"""In which the right sensor's target was shown first: bad ones leave doubtful points behind."""
 BOARDS = {
-    INNER: Target.parse("dots:6x7:20:d=8"),
-    OUTER: Target.parse("dots:5x8:20:d=8"),
-    RIGHT: Target.parse("dots:6x7:20:d=8"),
+    INNER: Target.parse("dots:6x7:26:d=9"),
+    OUTER: Target.parse("dots:5x8:24:d=9"),
+    RIGHT: Target.parse("dots:6x7:24:d=9"),
 }
 BOARD_SIGMA_MM = 0.002
 OFFSETS_MM = (-9.0, 8.0)
 """Where the wheel sensor on the rail triggers, as the axle's place along the rail."""
+SEEN_TWICE = range(2, 6)
+"""Stages of wear of which there is a second shot: pictures are what making the station costs."""
 TRACK_MM = 1500.0
 """From tape circle to tape circle: 1360 mm between the flange backs."""
 LEVELS = 9
@@ -111,15 +117,17 @@ class Truth:
         shown = rig_showings(rng, self.rig.sensors, body, [Light.GOOD] * SHOWINGS)
         return [dict(each.scenes) for each in shown]
 
-    def poses(self, count: int, draw: int, *, drifting: bool = False) -> list[TargetScene]:
-        """Return what the right sensor sees of its target."""
+    def poses(
+        self, lights: Sequence[Light], draw: int, *, drifting: bool = False
+    ) -> list[TargetScene]:
+        """Return what the right sensor sees of its target, in a light each time."""
         sensor = drifted(self.right.sensor) if drifting else self.right.sensor
-        lights = [Light.GOOD] * count
         return list(target_scenes(self._rng(3, draw), sensor, BOARDS[RIGHT], lights))
 
     def shots(self, level: int) -> list[dict[str, WheelScene]]:
         """Return what each sensor sees of both wheels of an axle, trigger by trigger."""
-        return [self._shot(level, place, offset) for place, offset in enumerate(OFFSETS_MM)]
+        offsets = OFFSETS_MM if level in SEEN_TWICE else OFFSETS_MM[:1]
+        return [self._shot(level, place, offset) for place, offset in enumerate(offsets)]
 
     def _shot(self, level: int, place: int, offset_mm: float) -> dict[str, WheelScene]:
         seed = int(np.random.SeedSequence([self.seed, level]).generate_state(1)[0])

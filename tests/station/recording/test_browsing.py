@@ -7,7 +7,7 @@ from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from mcap.writer import IndexType, Writer
 
 from station.errors import NotFound
-from station.recording import frame_at, list_frames
+from station.recording import FrameTable, list_frames
 
 SHAPE = (20, 30)
 FRAMES = 7
@@ -48,9 +48,10 @@ def test_frames_of_another_program_are_listed_from_any_place(foreign):
 
 
 def test_a_frame_of_another_program_is_seen(foreign):
+    table = FrameTable.of([foreign])
     for number in range(1, FRAMES + 1):
-        listed, picture = frame_at([foreign], number)
+        listed, picture = table.frame(number)
         assert [listed] == list_frames([foreign], after=number - 1, most=1)
         np.testing.assert_array_equal(picture, np.full(SHAPE, number, np.uint8))
     with pytest.raises(NotFound, match="has 7 frames; there is no frame 8"):
-        frame_at([foreign], FRAMES + 1)
+        table.frame(FRAMES + 1)

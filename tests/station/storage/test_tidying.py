@@ -4,6 +4,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
+from newest_schema import make_store
 from structlog.testing import capture_logs
 
 from station.errors import DiskFull
@@ -22,7 +23,6 @@ from station.store import (
     Recording,
     SessionState,
     Store,
-    migrate,
     sqlite_url,
     the,
 )
@@ -37,7 +37,7 @@ class Kept:
     def __init__(self, root):
         self.root = root
         url = sqlite_url(root / "station.sqlite")
-        migrate(url)
+        make_store(url)
         self.store = Store.open(url)
         self._age = 0
 

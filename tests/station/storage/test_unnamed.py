@@ -1,16 +1,17 @@
 """Shows that what is on the disk and in no row is found, and nothing of what the store knows."""
 
 import pytest
+from newest_schema import make_store
 
 from station.operations import utc_now
 from station.storage import unnamed_recordings
-from station.store import Recording, Store, migrate, sqlite_url
+from station.store import Recording, Store, sqlite_url
 
 
 @pytest.fixture
 def store(tmp_path):
     url = sqlite_url(tmp_path / "station.sqlite")
-    migrate(url)
+    make_store(url)
     store = Store.open(url)
     with store.change() as session:
         session.add(

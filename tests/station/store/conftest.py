@@ -1,12 +1,13 @@
 import pytest
+from newest_schema import make_store
 
-from station.store import Store, migrate, sqlite_url
+from station.store import Store, sqlite_url
 
 
 @pytest.fixture
 def store(any_url):
     """An empty store, of each kind in turn."""
-    migrate(any_url)
+    make_store(any_url)
     store = Store.open(any_url)
     yield store
     store.close()
@@ -15,7 +16,7 @@ def store(any_url):
 @pytest.fixture
 def sqlite_store(tmp_path):
     url = sqlite_url(tmp_path / "station.sqlite")
-    migrate(url)
+    make_store(url)
     store = Store.open(url)
     yield store
     store.close()

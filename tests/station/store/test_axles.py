@@ -6,6 +6,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
+from newest_schema import make_store
 from sqlalchemy import inspect, text
 
 from measure import Placing, Side
@@ -34,7 +35,7 @@ NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 
 @pytest.fixture
 def any_store(any_url):
-    migrate(any_url)
+    make_store(any_url)
     store = Store.open(any_url)
     with store.change() as session:
         session.add(

@@ -3,6 +3,7 @@
 from datetime import timedelta
 
 import pytest
+from newest_schema import make_store
 
 from station.operations import utc_now
 from station.store import (
@@ -22,7 +23,6 @@ from station.store import (
     last_pass_recording,
     last_recalibration,
     measured_since,
-    migrate,
     queued_jobs,
     wheels_seen,
 )
@@ -36,7 +36,7 @@ def ago(seconds):
 
 @pytest.fixture
 def store(any_url):
-    migrate(any_url)
+    make_store(any_url)
     store = Store.open(any_url)
     with store.change() as session:
         session.add(

@@ -3,6 +3,7 @@
 from datetime import timedelta
 
 import pytest
+from newest_schema import make_store
 
 from station.operations import DataLayout, utc_now
 from station.settings import StationSettings
@@ -20,7 +21,6 @@ from station.store import (
     Store,
     activate,
     add_job,
-    migrate,
 )
 from station.watching import Severity, TroubleKind
 from station.watching.store_troubles import store_troubles
@@ -39,7 +39,7 @@ class Watched:
     def __init__(self, root):
         self.settings = StationSettings(data_dir=root, **SETTINGS)
         url = DataLayout(root).store_url
-        migrate(url)
+        make_store(url)
         self.store = Store.open(url)
         with self.store.change() as session:
             for sensor in ("inner", "outer"):

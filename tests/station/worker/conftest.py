@@ -1,4 +1,5 @@
 import pytest
+from newest_schema import make_store
 from worker_double import a_calibration_document, a_rig_document
 
 from station.operations import DataLayout, utc_now
@@ -13,7 +14,6 @@ from station.store import (
     RigCalibration,
     Store,
     add_job,
-    migrate,
     the,
 )
 
@@ -33,7 +33,7 @@ class Ground:
             rigs=[{"id": "wheel", "sensors": ["inner", "outer"], "anchor": "outer"}],
         )
         self.layout = DataLayout(root)
-        migrate(self.layout.store_url)
+        make_store(self.layout.store_url)
         self.store = Store.open(self.layout.store_url)
         with self.store.change() as session:
             for sensor in ("left", "right", "inner", "outer"):

@@ -1,7 +1,7 @@
 // Lines over a quantity or over time: a thin helper over uPlot (the page includes shell/charts.html).
 import { colour, whenAppearanceChanges } from "./colours.js";
 import { addKeys } from "./keys.js";
-import { drawBars, drawLevels, drawMoments, drawSpans } from "./marks.js";
+import { drawBand, drawBars, drawLevels, drawMoments, drawSpans } from "./marks.js";
 import { moment, quantity, zone } from "./numbers.js";
 import { tableOf } from "./table.js";
 import { words } from "./words.js";
@@ -16,7 +16,7 @@ const DASHES = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
  * data: {
  *   x: [numbers, ascending; seconds since 1970 where `times`],
  *   series: [{label, values: [number or null], u95: [...]?, colour: "--left"?, points: true?,
- *             line: false? (points alone), dash: [6, 4]?}],
+ *             line: false? (points alone), dash: [6, 4]?, spread: "band"? (not bars)}],
  *   levels: [{value, label, colour, dash}]?   limits, across
  *   moments: [{x, label, colour, dash}]?      changes, upright
  *   spans: [{from, to, colour}]?              bands of y, null open
@@ -101,8 +101,9 @@ function optionsOf(settings, dataNow, sized) {
         drawLevels(chart, dataNow().levels ?? []);
         drawMoments(chart, dataNow().moments ?? []);
         dataNow().series.forEach((each, place) => {
+          const spread = each.spread === "band" ? drawBand : drawBars;
           if (each.u95 && chart.series[place + 1].show) {
-            drawBars(chart, each.values, each.u95, colourOf(each, place));
+            spread(chart, each.values, each.u95, colourOf(each, place));
           }
         });
       }],

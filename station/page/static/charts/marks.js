@@ -23,7 +23,7 @@ export function drawLevels(chart, levels) {
     for (const level of levels) {
       const y = chart.valToPos(level.value, "y", true);
       stroke(context, level, [box.left, y], [box.left + box.width, y]);
-      write(context, level.label, box.left + box.width - 4, y - 4, "right");
+      write(context, level.label, box.left + 6, y - 4, "left");
     }
   });
 }
@@ -35,9 +35,29 @@ export function drawMoments(chart, moments) {
       const x = chart.valToPos(each.x, "x", true);
       stroke(context, each, [x, box.top], [x, box.top + box.height]);
       if (x >= box.left && x <= box.left + box.width) {
-        write(context, each.label, x + 4, box.top + TEXT_PX * ratio(chart), "left");
+        // Behind the last third it would run out of the picture.
+        const late = x > box.left + box.width * 0.67;
+        write(context, each.label, x + (late ? -4 : 4), box.top + box.height - 6, late ? "right" : "left");
       }
     }
+  });
+}
+
+/** Fill the u95 about a series' values. */
+export function drawBand(chart, values, u95, colourName) {
+  within(chart, (context) => {
+    context.fillStyle = colour(colourName);
+    context.globalAlpha = 0.2;
+    context.beginPath();
+    for (const way of [1, -1]) {
+      const places = values.map((_, place) => place).filter((place) => values[place] !== null);
+      if (way < 0) places.reverse();
+      for (const place of places) {
+        const x = chart.valToPos(chart.data[0][place], "x", true);
+        context.lineTo(x, chart.valToPos(values[place] + way * u95[place], "y", true));
+      }
+    }
+    context.fill();
   });
 }
 

@@ -1,0 +1,33 @@
+"""What the first file of a recording says of itself: settings of the camera, names, attachments."""
+
+from dataclasses import dataclass
+
+from station.errors import InputUnusable, RecordingUnreadable
+from station.operations import Station, recording_file
+from station.recording import RecordingInfo, info
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What a recording's file says, or why it says nothing."""
+
+    found: RecordingInfo | None
+    refused: str | None
+
+
+def contents(station: Station, recording_id: str) -> Contents:
+    """Return what the first file of a closed recording says, without reading its pictures.
+
+    Raises
+    ------
+    NotFound
+        If there is no such recording, or no file of it.
+    StateConflict
+        If it is still being written, or was deleted.
+    """
+    path = recording_file(station, recording_id, 1)
+    try:
+        return Contents(info(path), None)
+    except (InputUnusable, RecordingUnreadable) as error:
+        # Where the station keeps its files is nobody's business.
+        return Contents(None, str(error).replace(str(path), "its first file"))

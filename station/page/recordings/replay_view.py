@@ -1,0 +1,111 @@
+"""A replay of a recording: how far it is, and its readings beside those that were there."""
+
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from station.errors import NotFound
+from station.operations import Station
+from station.page.recordings.comparison import Compared, compared, profiles_compared
+from station.page.recordings.wheels import own_readings
+from station.store import (
+    JOB,
+    Calibration,
+    Job,
+    JsonObject,
+    Measurement,
+    Recording,
+    Replay,
+    measured_from,
+    profiles_of,
+    replayed_as,
+    the,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayPage:
+    """What the page of a replay shows of one recording."""
+
+    recording: Recording
+    row: Replay
+    job: Job
+    before: Calibration | None
+    """What the recording had been measured with; None where it had not been measured."""
+    after: Calibration
+    before_reference: str | None
+    wheels: tuple[Compared, ...]
+    refused: str | None
+    """Why the recording could not be measured."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing more comes of it."""
+        return JOB.ended(self.job.state)
+
+    @property
+    def comparable(self) -> int:
+        """Quantities of all wheels that can be compared."""
+        return sum(each.agrees is not None for pair in self.wheels for each in pair.differences)
+
+    @property
+    def agreeing(self) -> int:
+        """How many of them agree."""
+        return sum(each.agrees is True for pair in self.wheels for each in pair.differences)
+
+
+def replay_page(station: Station, recording_id: str, replay_id: str) -> ReplayPage:
+    """Return a replay as it stands, as far as it is of a recording.
+
+    Raises
+    ------
+    NotFound
+        If there is no such recording or replay, or the replay is not of the recording.
+    """
+    with station.store.look() as session:
+        recording = the(session, Recording, recording_id)
+        row = the(session, Replay, replay_id)
+        if recording.sensor not in row.calibrations or not _is_of(row, recording_id):
+            raise NotFound(f"replay {replay_id} is not of recording {recording_id}")
+        after = [each for each in replayed_as(session, row.id) if each.recording_id == recording.id]
+        before = _measured_before(session, recording, after)
+        return ReplayPage(
+            recording=recording,
+            row=row,
+            job=the(session, Job, row.job_id),
+            before=the(session, Calibration, before[0].calibration_id) if before else None,
+            after=the(session, Calibration, row.calibrations[recording.sensor]),
+            before_reference=before[0].reference if before else None,
+            wheels=compared(before, after),
+            refused=row.results.get(recording.id, {}).get("refused"),
+        )
+
+
+def compared_profiles(station: Station, before: int | None, after: int | None) -> JsonObject:
+    """Return the profiles of two measurements on one grid; empty where there is no point.
+
+    Raises
+    ------
+    NotFound
+        If there is no such measurement.
+    """
+    with station.store.look() as session:
+        wanted = [
+            None if each is None else the(session, Measurement, each) for each in (before, after)
+        ]
+        found = profiles_of(session, [each for each in wanted if each is not None])
+    first, second = (None if each is None else found.get(each.id) for each in wanted)
+    return profiles_compared(first, second) or {}
+
+
+def _is_of(row: Replay, recording_id: str) -> bool:
+    return any(recording_id in step for step in row.steps["steps"])
+
+
+def _measured_before(
+    session: Session, recording: Recording, after: list[Measurement]
+) -> list[Measurement]:
+    """Return what a replay is compared with: the recording's own readings, but its own."""
+    known = {each.id for each in after}
+    others = [each for each in measured_from(session, recording.id) if each.id not in known]
+    return own_readings(recording, others)
