@@ -1,3 +1,9 @@
+import os
+
+# Two runs share the cores: threads of BLAS that wait for each other there turn seconds into many.
+# It is read when numpy is first imported, here and in every process that a test starts.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 import pytest
 from hypothesis import settings

@@ -8,7 +8,8 @@ from anyio import CapacityLimiter, to_thread
 
 from station.api.refusals import PicturesBusy
 
-_MOST_WAITING = 12
+_MOST_WAITING = 24
+"""Browsers ask for six pictures of a film strip at a time."""
 _Made = TypeVar("_Made")
 
 

@@ -1,5 +1,7 @@
 """The way to the process that finds targets, solves on trial and draws reports."""
 
+import os
+import signal
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
@@ -86,6 +88,12 @@ class Guide:
         """
         return self._in_turn(lambda: self._ask(_report, document, points_csv, sources))
 
+    @property
+    def pids(self) -> list[int]:
+        """Process id of the guiding process; empty where there is none."""
+        pool = self._pool
+        return [] if pool is None else _pids_of(pool)
+
     def close(self) -> None:
         """End the process; the next question starts another."""
         self._thread.submit(self._end).result()
@@ -135,14 +143,20 @@ class Guide:
         self._stop_timer()
         pool, self._pool = self._pool, None
         if pool is not None:
-            for process in list((pool._processes or {}).values()):  # noqa: SLF001  no other way to end one that hangs
-                process.kill()
+            for pid in _pids_of(pool):
+                os.kill(pid, signal.SIGKILL)  # it may hang, and has nothing to finish
             pool.shutdown(cancel_futures=True)
 
     def _stop_timer(self) -> None:
         if self._idle is not None:
             self._idle.cancel()
         self._idle = None
+
+
+def _pids_of(pool: ProcessPoolExecutor) -> list[int]:
+    # There is no public way to end a process of a pool that does not answer.
+    processes = pool._processes or {}  # noqa: SLF001  see above
+    return [pid for pid, each in list(processes.items()) if each.is_alive()]
 
 
 def _go_on(watch: SessionWatch, so_far: SessionSoFar) -> SessionSoFar:

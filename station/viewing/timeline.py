@@ -34,8 +34,9 @@ def timeline_json(table: FrameTable | None, frame_ids: Sequence[int]) -> dict[st
     -------
     document
         `from`, `seconds`; `bins`: in equal parts of the time, the frames of each and the number of
-        the first frame from there on; `events`, of too many those without a loss are left out
-        first, and `events_left_out` says how many; `places`: number and time of `frame_ids`.
+        the first frame from there on; `events`, each with the `number` of the frame to look at: of
+        too many those without a loss are left out first, and `events_left_out` says how many;
+        `places`: number and time of `frame_ids`.
 
     Raises
     ------
@@ -58,7 +59,7 @@ def timeline_json(table: FrameTable | None, frame_ids: Sequence[int]) -> dict[st
         "seconds": (end_ns - start_ns) / _NS_PER_S,
         "frames": len(table),
         "bins": _bins((times_ns - start_ns) / _NS_PER_S, (end_ns - start_ns) / _NS_PER_S),
-        "events": [_event(each, times_ns, start_ns) for each in kept],
+        "events": [_event(each, table, times_ns, start_ns) for each in kept],
         "events_left_out": len(told) - len(kept),
         "places": {
             str(frame_id): {"number": number, "at_s": _at_s(int(times_ns[number - 1]), start_ns)}
@@ -89,8 +90,9 @@ def _bins(at_s: NDArray[np.float64], seconds: float) -> dict[str, Any]:
     }
 
 
-def _event(event: Event, times_ns: NDArray[np.int64], start_ns: int) -> dict[str, Any]:
-    before = int(np.searchsorted(times_ns, event.time_ns, side="right"))
+def _event(
+    event: Event, table: FrameTable, times_ns: NDArray[np.int64], start_ns: int
+) -> dict[str, Any]:
     return {
         "at_s": _at_s(event.time_ns, start_ns),
         "time": moment(event.time_ns),
@@ -99,8 +101,20 @@ def _event(event: Event, times_ns: NDArray[np.int64], start_ns: int) -> dict[str
         "frame": event.frame_id,
         "count": event.count,
         "loss": event.kind in LOSSES,
-        "number": max(before, 1),
+        "number": _number(event, table, times_ns),
     }
+
+
+def _number(event: Event, table: FrameTable, times_ns: NDArray[np.int64]) -> int:
+    """Return the frame to look at: the first from the one concerned on, else the last one before.
+
+    A loss that was found only at the end is looked for where it was, not when.
+    """
+    ids = table.frame_ids
+    if event.frame_id is not None and np.all(ids[1:] > ids[:-1]):
+        return min(int(np.searchsorted(ids, event.frame_id)) + 1, len(table))
+    # Where the camera began to count anew, an id is of several frames.
+    return max(int(np.searchsorted(times_ns, event.time_ns, side="right")), 1)
 
 
 def _at_s(time_ns: int, start_ns: int) -> float:

@@ -59,6 +59,7 @@ def package(tmp_path_factory):
 def newer_than(package, folder):
     """Return a later version, of which only what dpkg asks for is there: unpacking takes long."""
     tree = folder / "tree"
+    tree.mkdir()
     subprocess.run(["dpkg-deb", "--control", package, tree / "DEBIAN"], check=True, timeout=60)
     control = tree / "DEBIAN" / "control"
     control.write_text(control.read_text().replace("Version: ", "Version: 9:"))

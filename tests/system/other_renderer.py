@@ -128,25 +128,27 @@ def _board(
 ) -> tuple[Image, Image, Image]:
     """Return the board's own light, the laser's on it, and its share of each pixel."""
     target, camera = look.target, sensor.camera
-    low = np.full(2, -1.3 * target.pitch_mm)
-    high = np.array([target.cols - 1, target.rows - 1]) * target.pitch_mm - low
+    low = np.full(2, -1.3 * target.pitch_mm, dtype=np.float32)
+    high = np.array([target.cols - 1, target.rows - 1], np.float32) * target.pitch_mm - low
     corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])])
     seen, limit = camera.project(pose.apply(corners)), [camera.width, camera.height]
     first = np.clip(seen.min(axis=0) - 60.0, 0, np.subtract(limit, 2)).astype(int)
     last = np.clip(seen.max(axis=0) + 60.0, first + 2, limit).astype(int)
     start, stop = _OVERSAMPLING * first, _OVERSAMPLING * last
     rays = _rays()[start[1] : stop[1], start[0] : stop[0]]
-    normal = pose.rotation[:, 2]
-    depth = (normal @ pose.translation_mm) / (rays @ normal[:2] + normal[2])
+    # Single precision, 0.1 um at 600 mm, takes half the time.
+    turn, origin = (part.astype(np.float32) for part in (pose.rotation, pose.translation_mm))
+    normal, across = turn[:, 2], turn[:, :2]
+    depth = (normal @ origin) / (rays @ normal[:2] + normal[2])
     points = np.dstack([rays * depth[..., None], depth])
-    place = ((points - pose.translation_mm) @ pose.rotation)[..., :2]
+    place = (points - origin) @ across
     if look.bow_mm:
         middle = 0.5 * (low + high)
         rise = look.bow_mm * (1.0 - (((place - middle) / (high - middle)) ** 2).mean(axis=2))
         points = points * (1.0 + rise / (rays @ normal[:2] + normal[2]) / depth)[..., None]
-        place = ((points - pose.translation_mm) @ pose.rotation)[..., :2]
+        place = (points - origin) @ across
     sample_mm = depth / (_OVERSAMPLING * camera.fx)
-    beyond = np.maximum(low - place, place - high).max(axis=2)
+    beyond = np.maximum.reduce([*np.moveaxis(low - place, 2, 0), *np.moveaxis(place - high, 2, 0)])
     inside = np.clip(0.5 - beyond / sample_mm, 0.0, 1.0)
     light, albedo = _pattern(look, place, sample_mm)
     parts = (light * inside, albedo * _laser(look, sensor, points, rng) * inside, inside)
@@ -160,7 +162,7 @@ def _board(
 def _pattern(look: Look, place: FloatArray, sample_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the light of places on the board, and how much of the laser they throw back."""
     target, pitch = look.target, look.target.pitch_mm
-    last = np.array([target.cols - 1, target.rows - 1])
+    last = np.array([target.cols - 1, target.rows - 1], dtype=np.float32)
     if target.kind == "chessboard":
         wave = np.sin(np.pi * place / pitch) * pitch / np.pi
         edge = np.clip(2.0 * wave / sample_mm[..., None], -1.0, 1.0)
@@ -170,7 +172,7 @@ def _pattern(look: Look, place: FloatArray, sample_mm: FloatArray) -> tuple[Floa
         return look.board_counts * albedo, albedo
     if look.glow_sigma_mm:
         return look.board_counts + look.dot_counts * _glow(look, place), np.ones(place.shape[:2])
-    centre = pitch * np.clip(np.rint(place / pitch), 0, last)
+    centre = pitch * np.clip(np.rint(place / pitch), np.float32(0.0), last)
     radius = 0.5 * (target.diameter_mm or 0.5 * pitch)
     dot = np.clip(0.5 + (radius - np.hypot(*np.moveaxis(place - centre, 2, 0))) / sample_mm, 0, 1)
     if target.dark:
@@ -182,27 +184,27 @@ def _pattern(look: Look, place: FloatArray, sample_mm: FloatArray) -> tuple[Floa
 def _glow(look: Look, place: FloatArray) -> FloatArray:
     """Return the light of bells, one at each point of the target, that reach into each other."""
     target = look.target
-    x, y = (
-        np.exp(
-            -0.5
-            * ((place[..., axis, None] - target.pitch_mm * np.arange(count)) / look.glow_sigma_mm)
-            ** 2
-        ).sum(axis=2)
-        for axis, count in ((0, target.cols), (1, target.rows))
-    )
-    return np.asarray(x * y)
+    light = np.ones(place.shape[:2], dtype=np.float32)
+    for along, count in zip(np.moveaxis(place, 2, 0), (target.cols, target.rows), strict=True):
+        bells = np.zeros_like(light)
+        for index in range(count):
+            off = (along - target.pitch_mm * index) / look.glow_sigma_mm
+            bells += np.exp(-0.5 * off * off)
+        light *= bells
+    return light
 
 
 def _laser(
     look: Look, sensor: LaserSensor, points: FloatArray, rng: np.random.Generator
 ) -> FloatArray:
     """Return the counts on points in space of the laser, and of what may be taken for it."""
-    a, d = sensor.plane.normal_in_cam, sensor.plane.offset_mm
+    a, d = sensor.plane.normal_in_cam.astype(np.float32), sensor.plane.offset_mm
     light = look.laser_counts * np.exp(-0.5 * ((points @ a + d) / look.laser_sigma_mm) ** 2)
     if look.false_line:
         turn = rng.uniform(0.15, 0.6) if look.false_line == "cross" else 0.0
         away = rng.choice([-1.0, 1.0]) * rng.uniform(8.0, 25.0)
-        a = RigidTransform.from_rotation_vector([0.0, 0.0, turn], np.zeros(3)).rotation @ a
+        swing = RigidTransform.from_rotation_vector([0.0, 0.0, turn], np.zeros(3)).rotation
+        a = swing.astype(np.float32) @ a
         off = points @ a - np.median(points[::16, ::16] @ a) + away
         light += 1.5 * look.laser_counts * np.exp(-0.5 * (off / look.laser_sigma_mm) ** 2)
     if look.speckle:
@@ -226,16 +228,20 @@ def _wall(look: Look, sensor: LaserSensor, rng: np.random.Generator) -> tuple[Im
         bright = np.hypot(u % pitch - 0.5 * pitch, v % pitch - 0.5 * pitch) < size
     else:
         bright = np.zeros((height, width), dtype=bool)
-    plane = sensor.plane
+    normal, offset_mm = sensor.plane.normal_in_cam.astype(np.float32), sensor.plane.offset_mm
     rays = _rays()[1::_OVERSAMPLING, 1::_OVERSAMPLING]
-    off = _WALL_MM * (rays @ plane.normal_in_cam[:2] + plane.normal_in_cam[2]) + plane.offset_mm
+    off = _WALL_MM * (rays @ normal[:2] + normal[2]) + offset_mm
     laser = 0.3 * look.laser_counts * np.exp(-0.5 * (off / 2.0) ** 2)
     return (6.0 + look.wall_counts * bright).astype(np.float32), laser.astype(np.float32)
 
 
 def _falloff(look: Look, camera: CameraModel, rng: np.random.Generator) -> Image:
     """Return the share of the light that reaches each pixel."""
-    y, x = np.mgrid[-0.5 : 0.5 : camera.height * 1j, -0.5 : 0.5 : camera.width * 1j]
+    y, x = np.meshgrid(
+        *(np.linspace(-0.5, 0.5, size, dtype=np.float32) for size in (camera.height, camera.width)),
+        indexing="ij",
+        sparse=True,
+    )
     angle = rng.uniform(0.0, 2.0 * np.pi)
     along = np.clip(0.5 + 0.7 * (x * np.cos(angle) + y * np.sin(angle)), 0.0, 1.0)
     share = (1.0 - 0.3 * (x**2 + y**2)) * (1.0 - look.uneven * along)

@@ -1,10 +1,12 @@
 """A session as its page shows it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from sqlalchemy import select
 
+from station.guiding import Guidance
 from station.operations import SessionView, Station
 from station.store import Calibration, CalibrationSession, Recording, SessionState
 
@@ -53,3 +55,23 @@ def session_shown(station: Station, view: SessionView) -> SessionShown:
         calibrations=[row for row in rows if names & set(row.recording_ids["recordings"])],
         frames_a_pose=max([1, *exposures]),
     )
+
+
+def guidance_told(shown: SessionShown, told: Mapping[str, Guidance]) -> dict[str, Any]:
+    """Return what a session's script is told, sensor by sensor."""
+    recordings = {each.sensor: each.id for each in shown.recordings}
+    return {
+        "state": shown.row.state.value,
+        "pictures": shown.row.pictures,
+        "sensors": [
+            {
+                **asdict(each),
+                "sensor": sensor,
+                "recording": recordings[sensor],
+                "frames_a_pose": shown.frames_a_pose,
+                "enough": each.enough,
+                "criteria": [{**asdict(one), "met": one.met} for one in each.criteria],
+            }
+            for sensor, each in told.items()
+        ],
+    }

@@ -1,6 +1,5 @@
 """A guided session: opening it, taking pictures, what is still wanted, ending it, solving."""
 
-from dataclasses import asdict
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Form, Request, Response
@@ -17,7 +16,7 @@ from station.operations import (
     order_rig_calibration,
 )
 from station.page.calibration.opening import TargetForm, order_of
-from station.page.calibration.session import session_shown
+from station.page.calibration.session import guidance_told, session_shown
 from station.page.shell import ShellOf
 
 router = APIRouter(prefix="/calibration/sessions")
@@ -61,19 +60,7 @@ def get_guidance(session_id: IdInPath, parts: PartsOf, _: Reader) -> Response:
     """Return what is found in the pictures so far, and what comes next, by sensor."""
     view = parts.sessions.view(session_id)
     told = parts.guiding.guidance(session_id)
-    return JSONResponse({
-        "state": view.row.state.value,
-        "pictures": view.row.pictures,
-        "sensors": [
-            {
-                "sensor": sensor,
-                **asdict(each),
-                "enough": each.enough,
-                "criteria": [{**asdict(one), "met": one.met} for one in each.criteria],
-            }
-            for sensor, each in told.items()
-        ],
-    })
+    return JSONResponse(guidance_told(session_shown(parts.station, view), told))
 
 
 @router.post(f"{_ONE}/capture")

@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from functools import lru_cache
 
 from sqlalchemy.orm import Session
@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from station.store import Calibration, RigCalibration, active, active_rig
 
 _MOST_DOCUMENTS = 32
+_DAY = timedelta(days=1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +36,11 @@ class InForce:
     passed: bool | None
     """Whether its figures keep the limits."""
     figures: Figures
+
+    def age_s(self, now: datetime) -> float:
+        """Return how old it is, s; beyond a day whole days: nobody reads its minutes."""
+        age = max(now - self.created_at, timedelta())
+        return (age if age < _DAY else timedelta(days=age.days)).total_seconds()
 
 
 def of_sensor(session: Session, sensor: str) -> InForce | None:

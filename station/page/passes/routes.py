@@ -3,9 +3,9 @@
 from typing import Annotated
 from zoneinfo import ZoneInfo
 
-from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 
-from station.api import Parts, PartsOf, Reader, from_the_store
+from station.api import IdInPath, Parts, PartsOf, Reader, from_the_store
 from station.page.passes.list_view import PassList, pass_list
 from station.page.passes.search import Search
 from station.page.passes.showing import Showing
@@ -14,7 +14,6 @@ from station.page.shell import ShellOf
 from station.store import PassState
 
 router = APIRouter()
-PassId = Annotated[str, Path(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
 SearchAsked = Annotated[Search, Query()]
 
 
@@ -44,7 +43,7 @@ def get_list(
 
 @router.get("/passes/{pass_id}")
 def get_pass(
-    pass_id: PassId,
+    pass_id: IdInPath,
     request: Request,
     parts: PartsOf,
     shell: ShellOf,
@@ -59,7 +58,7 @@ def get_pass(
 @router.get("/passes/{pass_id}/train")
 @from_the_store
 def get_train(
-    pass_id: PassId,
+    pass_id: IdInPath,
     request: Request,
     parts: PartsOf,
     shell: ShellOf,

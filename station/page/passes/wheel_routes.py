@@ -6,7 +6,7 @@ from fastapi import APIRouter, Path, Request, Response
 from fastapi.responses import JSONResponse
 
 from measure import Quantity
-from station.api import PartsOf, Reader, from_the_store
+from station.api import IdInPath, PartsOf, Reader, from_the_store
 from station.documents import WheelDocument
 from station.limits import limits_of
 from station.page.passes.profile_drawing import profile_drawing, reference_named
@@ -20,7 +20,6 @@ from station.trains import wheelset_trend
 router = APIRouter()
 _LARGEST_ID = 2**31 - 1  # what an integer column of PostgreSQL holds
 MeasurementId = Annotated[int, Path(ge=1, le=_LARGEST_ID)]
-WheelsetName = Annotated[str, Path(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
 _MOST_PASSES = 200
 _TRENDED = (
     Quantity.TREAD_WEAR,
@@ -73,7 +72,7 @@ def get_source(
 @router.get("/wheelsets/{wheelset}/trend/{quantity}")
 @from_the_store
 def get_trend(
-    wheelset: WheelsetName, quantity: Quantity, parts: PartsOf, shell: ShellOf, _: Reader
+    wheelset: IdInPath, quantity: Quantity, parts: PartsOf, shell: ShellOf, _: Reader
 ) -> Response:
     """Return how a quantity of a wheelset changed, as a chart takes it."""
     limits = limits_of(parts.station.settings.limits)

@@ -283,7 +283,7 @@ def test_a_call_too_many_is_told_to_come_again_and_no_one_waits_for_anothers_cam
     async def crowd():
         turns = Turns()
         async with create_task_group() as asking:
-            for _ in range(20):
+            for _ in range(40):
                 asking.start_soon(ask, turns, "left")
                 await sleep(0)
             asking.start_soon(ask, turns, None)
@@ -292,6 +292,6 @@ def test_a_call_too_many_is_told_to_come_again_and_no_one_waits_for_anothers_cam
             await to_thread.run_sync(free.set)
 
     run(crowd)
-    assert len(made) + len(refused) == 21
-    assert len(refused) == 7  # one is made, twelve wait
+    assert len(made) + len(refused) == 41
+    assert len(refused) == 15  # one is made, twenty-four wait
     assert refused[0].retry_after_s == 1

@@ -6,6 +6,7 @@ How long an arm waits behind a look is measured by hand: see the module of the l
 import os
 import threading
 
+import cv2
 import numpy as np
 import pytest
 from capture_rig import (
@@ -25,8 +26,10 @@ from capture_rig import (
 from station.capture import CaptureState
 from station.capture.looking import take_look
 from station.capture.ring import Ring
+from station.capture.sensor_capture import SensorCapture
 from station.capture.stream import ReceivedFrame
 from station.errors import CameraError, CameraLost, StateConflict
+from station.viewing import Form, SharedPicture, Viewer, ViewOrder
 
 ADDRESS = "127.42.1.1"
 HEARTBEAT_MS = 1500
@@ -65,6 +68,19 @@ def test_a_look_is_what_the_camera_sees_and_is_recorded_nowhere(sensor, tmp_path
     assert client.status().totals["recorded"] == recorded
     assert set(tmp_path.parent.rglob("*")) == before
     assert camera.statistics().exposed == exposed + 3
+
+
+def test_a_look_is_handed_on_to_who_makes_pictures_of_it(sensor, tmp_path):
+    client, camera = sensor
+    exposed = camera.statistics().exposed
+    viewer = Viewer("info", tmp_path / "processes.lock")
+    with client.look() as look:
+        shared = SharedPicture(look.descriptor, look.width, look.height, look.received_ns)
+        view = viewer.view(ViewOrder(Form.PNG, shared=shared))
+    viewer.close()
+    picture = cv2.imdecode(np.frombuffer(view.content, np.uint8), cv2.IMREAD_UNCHANGED)
+    np.testing.assert_array_equal(picture, served_pictures()[exposed % PICTURES])
+    assert view.frame.received_ns == look.received_ns
 
 
 def test_only_an_idle_sensor_is_looked_through_and_its_recording_stays_whole(sensor, tmp_path):
@@ -202,3 +218,14 @@ def test_a_silent_camera_is_given_no_order_at_all(ring):
     with pytest.raises(CameraLost, match="stopped answering"):
         take_look(camera, ring)
     assert camera.done == []
+
+
+def test_a_camera_that_is_lost_is_let_go_of_at_once(monkeypatch):
+    """One that comes back a moment later acquires still, for a stream that nobody reads."""
+    capture = SensorCapture(sensor_at("127.42.1.9"))
+    dropped = []
+    monkeypatch.setattr(capture._keeper, "ensure_open", lambda: (DummyCamera(None, 0), None, None))
+    monkeypatch.setattr(capture._keeper, "drop", dropped.append)
+    with pytest.raises(CameraLost):
+        capture.look()
+    assert dropped == ["the camera stopped answering; check its power and cable"]

@@ -5,6 +5,7 @@ are not to share their cores with a station, and Playwright leaves its event loo
 in this thread, where others call `asyncio.run`.
 """
 
+import os
 import tempfile
 from collections.abc import Callable, Generator
 from contextlib import ExitStack
@@ -18,6 +19,7 @@ from demo_station_serving import Demo, served, served_quietly
 from paged_station import Paged
 from playwright.sync_api import Browser, Page
 
+from station.logs import log_as
 from station.operations import DataLayout
 from station.store import migrate
 
@@ -46,7 +48,14 @@ def _folder(stack: ExitStack) -> Path:
 
 @pytest.fixture(scope="session")
 def demo_data(of_this_folder) -> DemoData:
-    """Six weeks of a station with real readings of real pictures."""
+    """Six weeks of a station with real readings of real pictures.
+
+    TREADLINE_DEMO_DATA names a folder that keeps them from one run to the next; whoever changes
+    what is told deletes it.
+    """
+    kept = os.environ.get("TREADLINE_DEMO_DATA")
+    if kept is not None:
+        return DemoData.kept(Path(kept).absolute())
     return DemoData.made(_folder(of_this_folder))
 
 
@@ -107,9 +116,14 @@ def empty_store(tmp_path_factory) -> Path:
     return layout.store_file
 
 
-@pytest.fixture
-def paged(request, tmp_path, empty_store) -> Generator[Paged]:
-    """A station without a past; what a test gives as parameter is put in place of its settings."""
-    paged = Paged(tmp_path, empty_store, **getattr(request, "param", {}))
+@pytest.fixture(scope="module")
+def paged(request, tmp_path_factory, empty_store) -> Generator[Paged]:
+    """A station of a module's tests, which find what those before left.
+
+    What a test gives as parameter is put in place of the settings of another one.
+    """
+    log_as("test")  # the library's own default draws every traceback in colour, which takes seconds
+    root = tmp_path_factory.mktemp("paged")
+    paged = Paged(root, empty_store, **getattr(request, "param", {}))
     yield paged
     paged.close()

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from demo_station_truth import HEIGHT_PX, WIDTH_PX
 
 from calib import Picture
 from station.capture import CaptureReport, CaptureState, CaptureStatus, RecordingPlan, Trigger
@@ -31,6 +32,16 @@ class FilmedCapture:
 
     def __init__(self, sensor: str, now_ns: Callable[[], int]) -> None:
         self._sensor, self._now_ns = sensor, now_ns
+        self._camera = {
+            "vendor": "Treadline",
+            "model": "film",
+            "serial": f"DEMO-{sensor}",
+            "width": str(WIDTH_PX),
+            "height": str(HEIGHT_PX),
+            "pixel_format": "Mono8",
+            "exposure_us": "100.0",
+            "gain_db": "0.0",
+        }
         self._film: deque[Exposure] = deque()
         self._plan: RecordingPlan | None = None
         self._totals = dict.fromkeys(("recorded", "lost", "refused", "repeated"), 0)
@@ -44,7 +55,7 @@ class FilmedCapture:
         return CaptureStatus(
             CaptureState.IDLE if plan is None else CaptureState.RECORDING,
             self._sensor,
-            camera={"vendor": "Treadline", "model": "film", "width": "1024", "height": "544"},
+            camera=self._camera,
             session_id=None if plan is None else plan.session_id,
             path=None if plan is None else plan.path,
             recording_s=None if plan is None else 0.0,
@@ -66,7 +77,7 @@ class FilmedCapture:
             metadata={
                 "station": {"software": SOFTWARE, "host": "demo"},
                 "session": {**session, **plan.metadata},
-                "camera": {"vendor": "Treadline", "model": "film", "sensor": plan.sensor},
+                "camera": {**self._camera, "sensor": plan.sensor},
             },
             attachments=plan.attachments,
             camera=None if document is None else partial(CameraNumbers.of_calibration, document),

@@ -90,20 +90,20 @@ def _keys(desk: Desk) -> dict[str, str]:
 
 def _calibrate_all(desk: Desk) -> dict[str, str]:
     targets = desk.pictures.targets
-    desk.session("rig-spring", {name: targets[name] for name in (INNER, OUTER)}, by=METROLOGIST)
+    desk.session("rig-first", {name: targets[name] for name in (INNER, OUTER)}, by=METROLOGIST)
     calibrations = {}
     for sensor in (INNER, OUTER):
-        name = desk.calibrate(sensor, "rig-spring", by=METROLOGIST)
+        name = desk.calibrate(sensor, "rig-first", by=METROLOGIST)
         desk.activate(sensor, name, by=METROLOGIST)
         calibrations[sensor] = name
-    calibrations["rig"] = desk.calibrate_rig("rig-spring", by=METROLOGIST)
+    calibrations["rig"] = desk.calibrate_rig("rig-first", by=METROLOGIST)
     desk.activate_rig(calibrations["rig"], by=METROLOGIST)
-    desk.session("right-spring", {RIGHT: targets[RIGHT]}, by=METROLOGIST)
-    calibrations["right-1"] = desk.calibrate(RIGHT, "right-spring", by=METROLOGIST)
+    desk.session("right-first", {RIGHT: targets[RIGHT]}, by=METROLOGIST)
+    calibrations["right-1"] = desk.calibrate(RIGHT, "right-first", by=METROLOGIST)
     desk.activate(RIGHT, calibrations["right-1"], by=METROLOGIST)
     # By the old method too, to see what it leaves out; nobody brought that into force.
     calibrations["right-preplanar"] = desk.calibrate(
-        RIGHT, "right-spring", by=SECOND, method="preplanar"
+        RIGHT, "right-first", by=SECOND, method="preplanar"
     )
     return calibrations
 
@@ -131,8 +131,8 @@ def _consist() -> Consist:
 
 
 def _second_calibration(desk: Desk) -> str:
-    desk.session("right-may", {RIGHT: desk.pictures.nights[0]}, by=SECOND)
-    name = desk.calibrate(RIGHT, "right-may", by=SECOND)
+    desk.session("right-second", {RIGHT: desk.pictures.nights[0]}, by=SECOND)
+    name = desk.calibrate(RIGHT, "right-second", by=SECOND)
     desk.activate(RIGHT, name, by=SECOND)
     return name
 

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 
 import httpx
@@ -28,6 +29,7 @@ SENSORS = (
     {"id": "right", "address": "127.47.1.2", "side": "right"},
 )
 _TOKEN = re.compile(r'name="csrf-token" content="([0-9a-f]{64})"')
+_NUMBERS = count(1)
 PEOPLE = {"Accept": "text/html,application/xhtml+xml"}
 
 
@@ -101,8 +103,9 @@ class Paged:
     def keys(self) -> Keys:
         return Keys(self.store, Actor("test"), utc_now())
 
-    def key(self, *scopes: Scope, name: str = "somebody") -> str:
-        return self.keys.create(name, scopes, None)
+    def key(self, *scopes: Scope, name: str | None = None) -> str:
+        """Make a key of somebody who has none."""
+        return self.keys.create(name or f"somebody {next(_NUMBERS)}", scopes, None)
 
     def client(self, **headers: str) -> httpx.Client:
         """Return a program that has no key, or that of its headers."""

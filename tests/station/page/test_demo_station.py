@@ -5,6 +5,8 @@ is soon made.
 """
 
 import csv
+import hashlib
+import json
 import sqlite3
 
 import numpy as np
@@ -113,13 +115,22 @@ def test_the_right_sensor_has_a_history_of_calibrations(look):
     assert look(f"SELECT count(*) FROM rig_activations WHERE rig = '{RIG}'") == [(1,)]
 
 
-def test_a_calibration_has_its_points_and_its_report_shows_the_pictures(demo_data, quiet_demo):
-    name = demo_data.told.calibrations["right-preplanar"]
-    rows = list(csv.DictReader(quiet_demo.ask(f"/v1/calibrations/{name}/points").text.splitlines()))
+def test_a_calibration_has_its_points_used_and_doubtful(demo_data, quiet):
+    points = quiet.calibration_points(demo_data.told.calibrations["right-preplanar"])
+    rows = list(csv.DictReader(points.splitlines()))
     assert {row["kind"] for row in rows} == {"dot", "stripe"}
     assert {row["used"] for row in rows} == {"0", "1"}
     assert {"saturated", "glare", "stray light"} <= {row["reason"] for row in rows}
-    assert quiet_demo.ask(f"/v1/calibrations/{name}/report").text.count("<svg") >= len(FIRST_LIGHTS)
+    assert len({row["image"] for row in rows}) == len(FIRST_LIGHTS)
+
+
+def test_the_pictures_of_a_calibration_are_on_the_disk(demo_data, look):
+    name = demo_data.told.calibrations["right-1"]
+    ((document,),) = look(f"SELECT document FROM calibrations WHERE id = '{name}'")
+    (source,) = json.loads(document)["inputs"]
+    ((path,),) = look("SELECT path FROM recordings WHERE session_id = 'right-first'")
+    recording = (demo_data.folder / "data" / path).read_bytes()
+    assert hashlib.sha256(recording).hexdigest() == source["sha256"]
 
 
 def test_nights_ended_in_every_way(look):

@@ -15,7 +15,7 @@ const SHOWN = {
 };
 
 export function blockOf(guidance, say, several, open) {
-  const parts = [nextCard(guidance, say, open), grid(guidance, say), posesCard(guidance, say)];
+  const parts = [nextCard(guidance, say, open), grid(guidance, say, open), posesCard(guidance, say)];
   const title = several ? [element("h2", {}, say("sensor", { sensor: guidance.sensor }))] : [];
   return element("div", { class: "guided-block" }, ...title, ...parts);
 }
@@ -35,9 +35,9 @@ function foundIn(pose, say) {
   return `${say("last_found", { number: pose.number, dots: pose.dots, dots_of: pose.dots_of })} ${stripe}`;
 }
 
-function grid(guidance, say) {
+function grid(guidance, say, open) {
   return element("div", { class: "guided-grid" },
-    lastPicture(guidance, say), criteriaCard(guidance, say), fieldCard(guidance, say), tiltCard(guidance, say));
+    lastPicture(guidance, say, open), criteriaCard(guidance, say), fieldCard(guidance, say), tiltCard(guidance, say));
 }
 
 function criteriaCard(guidance, say) {
@@ -51,7 +51,7 @@ function criteriaCard(guidance, say) {
       element("td", { class: "num" }, limit),
       element("td", {}, element("span", { class: `badge ${{ met: "good", missing: "warn", unknown: "" }[state]}` }, say(state))));
   });
-  return card(say("criteria"), tableOf([say("criterion"), say("now"), say("wanted"), ""], rows));
+  return card(say("criteria"), tableOf([say("criterion"), `#${say("now")}`, `#${say("wanted")}`, say("state")], rows));
 }
 
 function fieldCard(guidance, say) {
@@ -81,7 +81,7 @@ function posesCard(guidance, say) {
     element("td", { class: "num" }, String(pose.stripe)),
     element("td", { class: "num" }, quantity(pose.tilt_deg, "°", 0)),
     element("td", { class: "num" }, quantity(pose.depth_mm, "mm", 0))));
-  const heads = ["number", "found", "dots_found", "stripe_found", "tilt", "depth"].map((key) => say(key));
+  const heads = [say("number"), say("found"), ...["dots_found", "stripe_found", "tilt", "depth"].map((key) => `#${say(key)}`)];
   return card(say("poses_title"), rows.length ? tableOf(heads, rows) : element("p", { class: "empty" }, say("no_pictures")));
 }
 
@@ -89,7 +89,10 @@ function card(title, ...content) {
   return element("section", { class: "card" }, element("h3", {}, title), ...content);
 }
 
+/** Return a table; the heads of columns of numbers begin with "#". */
 function tableOf(heads, rows) {
-  const head = element("tr", {}, ...heads.map((text) => element(text ? "th" : "td", text ? { scope: "col" } : {}, text)));
+  const head = element("tr", {}, ...heads.map((text) => element(
+    "th", { scope: "col", class: text.startsWith("#") ? "num" : null }, text.replace("#", ""),
+  )));
   return element("div", { class: "wide" }, element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows)));
 }

@@ -20,22 +20,23 @@ export class Overlay {
   draw(picture) {
     this.picture = picture;
     this.view = around(picture);
+    this.layers = shape("g");
+    this.svg = shape("svg", { role: "img", "aria-label": picture.name }, ...ground(picture), this.layers);
+    const none = picture.frame ? [] : [element("p", { class: "none" }, this.say("no_picture"))];
+    this.place.replaceChildren(...none, this.svg);
     this.again();
   }
 
+  /** Draw the marks anew; the picture below them stays, and is not loaded again. */
   again() {
     if (!this.picture) return;
-    const { picture } = this;
-    this.svg = shape("svg", { role: "img", "aria-label": picture.name, preserveAspectRatio: "xMidYMid slice" });
-    this.svg.append(...ground(picture), this.points());
-    const none = picture.frame ? [] : [element("p", { class: "none" }, this.say("no_picture"))];
-    this.place.replaceChildren(...none, this.svg);
+    this.layers.replaceChildren(this.points());
     this.look();
   }
 
   points() {
     const unit = this.view.width / MARKS_ACROSS;
-    const layers = shape("g", { "stroke-width": 0.35 * unit });
+    const layers = shape("g", { "stroke-width": 0.45 * unit });
     for (const [points, size] of [[this.picture.stripe, 0.9], [this.picture.dots, 2]]) {
       layers.append(...marks(points, size * unit, this));
     }

@@ -18,7 +18,9 @@ export function gridOf(view, words) {
   for (const h of ticks(low, top, step)) {
     const [, y] = view.place([0, h]);
     marks.push(line([0, y], [view.widthPx, y], "grid"));
-    marks.push(text([3, y - 3], figure(h, step), "tick"));
+    // The corners belong to the names of the axes.
+    const inCorner = y < 30 || y > view.heightPx - 16;
+    if (!inCorner) marks.push(text([3, y - 3], figure(h, step), "tick"));
   }
   marks.push(text([view.widthPx - 4, view.heightPx - 18], words.d, "axis", "end"));
   marks.push(text([4, 14], words.h, "axis"));

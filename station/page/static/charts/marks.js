@@ -31,13 +31,15 @@ export function drawLevels(chart, levels) {
 /** Draw moments of the x axis: `{x, label, colour, dash}`. */
 export function drawMoments(chart, moments) {
   within(chart, (context, box) => {
-    for (const each of moments) {
+    // Two that lie close are written one above the other.
+    const lineHeight = 1.3 * TEXT_PX * ratio(chart);
+    for (const [place, each] of moments.entries()) {
       const x = chart.valToPos(each.x, "x", true);
       stroke(context, each, [x, box.top], [x, box.top + box.height]);
       if (x >= box.left && x <= box.left + box.width) {
         // Behind the last third it would run out of the picture.
         const late = x > box.left + box.width * 0.67;
-        write(context, each.label, x + (late ? -4 : 4), box.top + box.height - 6, late ? "right" : "left");
+        write(context, each.label, x + (late ? -4 : 4), box.top + box.height - 6 - (place % 2) * lineHeight, late ? "right" : "left");
       }
     }
   });

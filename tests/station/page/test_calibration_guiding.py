@@ -1,0 +1,181 @@
+"""Guiding who takes calibration pictures, on real pictures of the demo station's sessions.
+
+That the sentence read out can be followed by a person is not shown here.
+"""
+
+import os
+import signal
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from demo_station_truth import BOARDS, RIGHT
+
+from calib import View
+from station.documents import CalibrationDocument
+from station.guiding import Demands, Guide, GuideLost, SessionSoFar, SessionWatch
+from station.guiding.enough import Demand
+from station.guiding.guidance import guidance_of
+from station.settings import ExposureSettings
+from station.store import Calibration, Store
+
+TARGET = BOARDS[RIGHT]
+DEMANDS = Demands(fewest_poses=6)
+PATIENCE_S = 60.0
+
+
+@pytest.fixture(scope="module")
+def watch(demo_data):
+    recording = (
+        demo_data.folder / "data" / "recordings" / "sessions" / "right-spring" / "right.mcap"
+    )
+    assert recording.exists()
+    return SessionWatch(recording, TARGET)
+
+
+@pytest.fixture(scope="module")
+def seen(watch):
+    return watch.go_on(SessionSoFar())
+
+
+@pytest.fixture(scope="module")
+def present(demo_data):
+    store = Store.open(f"sqlite:///{demo_data.folder / 'data' / 'station.sqlite'}")
+    with store.look() as session:
+        row = session.get(Calibration, demo_data.told.calibrations["right-1"])
+    store.close()
+    return CalibrationDocument.model_validate_json(row.document)
+
+
+def first(seen, count):
+    return replace(seen, seen=seen.seen[:count])
+
+
+def by_demand(guidance):
+    return {each.demand: each for each in guidance.criteria}
+
+
+def test_every_picture_of_a_session_is_looked_at_once(watch, seen):
+    assert len(seen.views) == len(seen.seen) == 12
+    assert all(view.stripe is not None for view in seen.views)
+    assert watch.go_on(seen) == seen
+
+
+def test_a_session_is_taken_up_where_it_was_left(watch, seen):
+    told = watch.go_on(replace(first(seen, 0), next=seen.next))
+    assert told.seen == ()
+
+
+def test_frames_of_a_pose_that_is_not_whole_yet_wait(watch):
+    steps = tuple(ExposureSettings(exposure_us=100.0 + step) for step in range(5))
+    told = replace(watch, exposures=steps).go_on(SessionSoFar())
+    assert len(told.seen) == 2  # of 12 frames, 5 a pose, two are left
+    assert all(isinstance(each, View) for each in told.seen)
+
+
+def test_a_picture_without_the_target_says_why(watch, seen):
+    other = replace(watch, target=replace(TARGET, rows=9, cols=11))
+    told = other.go_on(SessionSoFar())
+    guidance = guidance_of(told, other.target, DEMANDS)
+    assert told.views == ()
+    assert all("9x11" in pose.why for pose in guidance.poses)
+    assert guidance.poses[0].dots == 0
+
+
+def test_before_the_first_picture_the_calibration_in_force_tells_where_to_begin(present):
+    guidance = guidance_of(SessionSoFar(), TARGET, DEMANDS, present)
+    assert not guidance.enough
+    assert guidance.next is not None
+    assert 0.0 < guidance.next.across < 1.0
+    assert 0.0 < guidance.next.down < 1.0
+
+
+def test_without_any_calibration_nothing_is_promised_before_three_pictures(seen):
+    guidance = guidance_of(first(seen, 2), TARGET, DEMANDS)
+    assert guidance.next is None
+    assert guidance.wanted_cells is None
+    assert by_demand(guidance)[Demand.SHEET].value is None
+    assert not guidance.enough
+
+
+def test_all_pictures_are_enough_and_few_are_not(seen):
+    few, every = (guidance_of(first(seen, count), TARGET, DEMANDS) for count in (4, 12))
+    assert not few.enough
+    assert by_demand(few)[Demand.POSES].value == 4
+    sheet_few, sheet_all = (by_demand(each)[Demand.SHEET].value for each in (few, every))
+    assert sheet_all < sheet_few
+    assert by_demand(every)[Demand.SHEET].met
+    assert by_demand(every)[Demand.DOTS].value == pytest.approx(1.0, abs=0.3)
+
+
+def test_more_poses_than_are_there_are_missing(seen):
+    assert not guidance_of(seen, TARGET, Demands(fewest_poses=20)).enough
+    with pytest.raises(ValueError, match="at least 3"):
+        Demands(fewest_poses=2)
+
+
+def test_a_pose_tells_how_the_target_stood(seen, present):
+    guidance = guidance_of(seen, TARGET, DEMANDS)
+    stood = {pose.image: pose.translation_mm for pose in present.poses}
+    assert len(stood) == 12
+    for pose, image in zip(guidance.poses, sorted(stood, key=lambda n: int(n.split("#")[1]))):
+        # Of the board's first dot there, of its middle here.
+        assert pose.depth_mm == pytest.approx(stood[image][2], abs=120.0)
+        assert 0.0 <= pose.tilt_deg < 60.0
+
+
+def test_pictures_that_give_no_calibration_say_why(seen):
+    still = replace(seen, seen=tuple(replace(seen.views[0], name=f"copy {n}") for n in range(4)))
+    guidance = guidance_of(still, TARGET, DEMANDS)
+    assert guidance.unsolved
+    assert not guidance.enough
+
+
+def test_a_calibration_of_other_pictures_is_no_guide(seen, present):
+    camera = present.camera.model_copy(update={"width": present.camera.width + 8})
+    strange = present.model_copy(update={"camera": camera})
+    assert guidance_of(first(seen, 1), TARGET, DEMANDS, strange).next is None
+
+
+def test_the_guide_tells_what_was_told_before_without_asking_again(watch, present):
+    guide = Guide(patience_s=PATIENCE_S)
+    try:
+        told = guide.guidance(watch, DEMANDS, present)
+        assert guide.guidance(watch, DEMANDS, present) is told
+        assert guide.guidance(watch, DEMANDS, None) is not told
+    finally:
+        guide.close()
+
+
+def test_a_guide_that_died_says_so_and_is_back_with_the_next_question(watch):
+    guide = Guide(patience_s=PATIENCE_S)
+    try:
+        guide.guidance(watch, DEMANDS, None)
+        (pid,) = guide.pids
+        os.kill(pid, signal.SIGKILL)
+        with pytest.raises(GuideLost, match="died"):
+            for _ in range(1000):  # the pool hears of it a moment later
+                guide.guidance(watch, DEMANDS, None)
+        assert len(guide.guidance(watch, DEMANDS, None).poses) == 12
+        assert guide.pids != [pid]
+    finally:
+        guide.close()
+    assert guide.pids == []
+
+
+def test_a_guide_that_nobody_asks_ends_by_itself(watch):
+    guide = Guide(idle_s=0.1, patience_s=PATIENCE_S)
+    guide.guidance(watch, DEMANDS, None)
+    until_s = time.monotonic() + PATIENCE_S
+    while guide.pids:
+        assert time.monotonic() < until_s, "the process still waits"
+        time.sleep(0.02)
+    guide.close()
+
+
+def test_criteria_that_cannot_be_told_are_not_met():
+    (poses, covered, *rest) = DEMANDS.criteria(6, None, None, np.empty((0, 2)))
+    assert poses.met
+    assert not covered.met
+    assert not any(each.met for each in rest)

@@ -1,0 +1,222 @@
+"""The page Now in a browser, before a station of all its processes whose cameras are simulated.
+
+A train passes while somebody looks: what an operator presses is pressed.  The time to interactive
+is measured by `station bench page`, as it needs a machine that does nothing else.
+"""
+
+import re
+from contextlib import contextmanager
+
+import pytest
+from demo_station_browser import Complaints
+from demo_station_browser import logged_in as log_in
+from demo_station_serving import SENSORS
+
+MARKUP = "<img src=x onerror=alert(1)>"
+DESK, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
+FIRST_VIEW_BYTES = 150_000
+# The camera may be armed between a person's look and its answer.
+BUSY_CAMERA = [r"409 .*source=look", r"status of 409", r"503 .*view", r"status of 503"]
+
+
+@pytest.fixture
+def expected_failures():
+    return list(BUSY_CAMERA)
+
+
+@contextmanager
+def another(chromium, demo, scope, **context):
+    """Open the page once more, by the key of a scope; what it complains of fails the test."""
+    opened = chromium.new_context(locale="en-US", **context)
+    page, complaints = opened.new_page(), Complaints(list(BUSY_CAMERA))
+    complaints.listen(page)
+    yield log_in(page, demo, scope)
+    opened.close()
+    assert not complaints.unexpected, complaints.unexpected
+
+
+def figure(page, sensor):
+    return page.locator(f'figure[data-sensor="{sensor}"]')
+
+
+def pressed(button):
+    return button.get_attribute("aria-pressed") == "true"
+
+
+def test_a_train_passes_while_an_operator_looks(page, served_demo, axe):
+    page.set_viewport_size(DESK)
+    page.emulate_media(color_scheme="light")
+    log_in(page, served_demo, "operate")
+    _picture_comes_with_its_stripe(page)
+    axe(page)
+    _stripes_go_and_come_again(page)
+    _one_picture_fills_the_screen(page)
+    _a_look_tells_how_sharp_the_stripe_is(page, axe)
+    _arm(page, "now-1")
+    axe(page)
+    served_demo.cameras.show("train")
+    triggers = served_demo.cameras.roll_train_by(2)
+    page.locator("#now-running .wheels tbody tr").first.wait_for()
+    assert page.locator("#now-running").get_by_text(MARKUP).count() == 1
+    left = figure(page, "left-inner")
+    left.get_by_text("Live", exact=True).wait_for()
+    left.get_by_text(re.compile(rf"^frame {triggers}$")).wait_for()
+    axe(page)
+    _finish(page, "now-1", axles=2)
+    page.locator("#now-last").get_by_text("4 measured, 0 not measurable").wait_for()
+    assert page.locator("#now-last").get_by_text(MARKUP).count() == 1
+
+
+def _picture_comes_with_its_stripe(page):
+    for sensor in SENSORS:
+        figure(page, sensor).scroll_into_view_if_needed()
+        figure(page, sensor).locator("img").wait_for()
+        assert "stripe of" in figure(page, sensor).locator("img").get_attribute("alt")
+    screen = figure(page, "left-inner").locator(".screen")
+    # The stripe lies on the picture, to the pixel, and within it.
+    image, stripe = (screen.locator(each).bounding_box() for each in ("img", "svg"))
+    assert image == pytest.approx(stripe, abs=0.5)
+    view = screen.locator("svg").get_attribute("viewBox").split()
+    assert view[:2] == ["-0.5", "-0.5"]
+    shown = screen.locator("img").evaluate("image => image.naturalWidth / image.naturalHeight")
+    assert shown == pytest.approx(float(view[2]) / float(view[3]), rel=0.02)
+    assert len(screen.locator("path").get_attribute("d").split("M")) > 50
+
+
+def _stripes_go_and_come_again(page):
+    button = figure(page, "left-inner").get_by_role("button", name="Stripe")
+    overlays = page.locator(".screen .stripe")
+    button.click()
+    assert not pressed(button)
+    assert not any(overlays.nth(number).is_visible() for number in range(overlays.count()))
+    button.click()
+    assert overlays.first.is_visible()
+
+
+def _one_picture_fills_the_screen(page):
+    button = figure(page, "left-inner").locator('[data-press="enlarge"]')
+    before = figure(page, "left-inner").locator("img").bounding_box()["width"]
+    button.click()
+    page.wait_for_function("document.fullscreenElement !== null")
+    assert figure(page, "left-inner").locator("img").bounding_box()["width"] > 1.5 * before
+    button.click()
+    page.wait_for_function("document.fullscreenElement === null")
+    assert not pressed(button)
+
+
+def _a_look_tells_how_sharp_the_stripe_is(page, axe):
+    left = figure(page, "left-inner")
+    left.get_by_role("button", name="Look").click()
+    left.get_by_text("Look, taken now; not recorded").wait_for()
+    left.get_by_text(re.compile(r"best \d\.\d\d px")).wait_for()
+    axe(page)
+    left.get_by_role("button", name="Look").click()
+    left.get_by_text("To aim and to focus").wait_for(state="hidden")
+
+
+def _arm(page, pass_id):
+    page.get_by_label("Id of the pass").fill(pass_id)
+    page.get_by_label("Train").fill(MARKUP)
+    page.get_by_role("button", name="Arm all sensors").click()
+    page.get_by_text(f"Pass {pass_id} is armed").wait_for()
+    page.get_by_role("button", name="Finish the pass").wait_for()
+
+
+def _finish(page, pass_id, *, axles):
+    asked = []
+    page.on("dialog", lambda dialog: (asked.append(dialog.message), dialog.accept()))
+    page.get_by_label("Axles counted").fill(str(axles))
+    page.get_by_role("button", name="Finish the pass").click()
+    page.get_by_text(f"Pass {pass_id} has ended").wait_for()
+    assert pass_id in asked[0]
+    page.get_by_role("button", name="Arm all sensors").wait_for()
+
+
+def test_who_may_look_sees_it_in_the_dark_on_a_tablet(page, served_demo, axe):
+    page.set_viewport_size(TABLET)
+    page.emulate_media(color_scheme="dark")
+    log_in(page, served_demo, "read")
+    figure(page, "left-inner").locator("img").wait_for()
+    axe(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= TABLET["width"]
+    assert page.get_by_role("button", name="Arm all sensors").count() == 0
+    assert page.get_by_role("button", name="Look").count() == 0
+    _focus_stays_where_it_is_while_parts_are_loaded_anew(page)
+    small = page.locator("main button:visible, main summary:visible").evaluate_all(
+        "all => all.filter(e => e.getBoundingClientRect().height < 40).map(e => e.textContent)"
+    )
+    assert small == []
+
+
+def _focus_stays_where_it_is_while_parts_are_loaded_anew(page):
+    link = page.locator("#now-last-link")
+    link.focus()
+    with page.expect_response("**/now/live"), page.expect_response("**/now/last"):
+        pass
+    # Answered is not yet swapped: the next answer comes after that.
+    page.wait_for_event("response", lambda answer: "/now/live" in answer.url)
+    assert page.evaluate("document.activeElement.id") == "now-last-link"
+
+
+def test_a_page_that_nobody_sees_asks_for_nothing(page, served_demo):
+    log_in(page, served_demo, "read")
+    figure(page, "left-inner").locator("img").wait_for()
+    page.evaluate("""() => {
+        Object.defineProperty(document, "visibilityState", { value: "hidden", configurable: true });
+        window.asked = 0;
+        new PerformanceObserver((list) => { window.asked += list.getEntries().length; })
+          .observe({ entryTypes: ["resource"] });
+    }""")
+    page.wait_for_timeout(1000)  # what was under way comes to its end
+    before = page.evaluate("window.asked")
+    page.wait_for_timeout(1500)
+    assert page.evaluate("window.asked") == before
+
+
+def test_a_sensor_is_never_asked_for_two_pictures_at_a_time(page, served_demo):
+    under_way, most = {}, [0]
+
+    def begun(request):
+        if "/view?" in request.url:
+            sensor = request.url.split("/")[5]
+            under_way[sensor] = under_way.get(sensor, 0) + 1
+            most[0] = max(most[0], under_way[sensor])
+
+    def ended(request):
+        if "/view?" in request.url:
+            under_way[request.url.split("/")[5]] -= 1
+
+    page.on("request", begun)
+    page.on("requestfinished", ended)
+    page.on("requestfailed", ended)
+    log_in(page, served_demo, "read")
+    for sensor in SENSORS:
+        figure(page, sensor).scroll_into_view_if_needed()
+        figure(page, sensor).locator("img").wait_for()
+    page.wait_for_event("response", lambda answer: "/view?" in answer.url)
+    assert most == [1]
+
+
+def test_the_first_view_is_light_while_a_train_is_recorded(page, served_demo):
+    with served_demo.client("operate") as client:
+        client.arm_pass("now-2", train=None)
+        served_demo.cameras.show("train")
+        triggers = served_demo.cameras.roll_train_by(1)
+        log_in(page, served_demo, "read")
+        figure(page, "left-inner").locator("img").wait_for()
+        weight = _bytes_of_first_view(page)
+        client.finish_pass("now-2", triggers=dict.fromkeys(SENSORS, triggers), axles=1)
+        client.await_pass("now-2", timeout_s=90.0)
+    assert 10_000 < weight < FIRST_VIEW_BYTES
+
+
+def _bytes_of_first_view(page):
+    """Load the page with nothing kept and count what comes until every picture is there."""
+    wire = page.context.new_cdp_session(page)
+    wire.send("Network.enable")
+    wire.send("Network.setCacheDisabled", {"cacheDisabled": True})
+    came = []
+    wire.on("Network.loadingFinished", lambda told: came.append(told["encodedDataLength"]))
+    page.reload()
+    page.wait_for_function("document.querySelectorAll('figure img').length >= 2")
+    return sum(came)
