@@ -41,7 +41,7 @@ def build_app(
     metrics, gate, uploads = Metrics(station, lookout), Gate(station, admin_key), Uploads(station)
     uploads.take_up()
     viewer = Viewer(station.settings.log_level, station.layout.processes_lock)
-    guide = Guide()
+    guide = Guide(station.settings.log_level, station.layout.processes_lock)
     app = _with_routes(_closing(viewer, guide))
     app.state.parts = Parts(
         station=station,

@@ -14,6 +14,7 @@ from station.bench.measure_lights import bench_measure_lights
 from station.bench.measure_profiles import bench_profiles
 from station.bench.measure_rolling import bench_rolling
 from station.bench.measure_train import bench_train
+from station.bench.page import bench_page
 from station.bench.pairs import bench_pairs
 from station.bench.paper import bench_paper
 from station.bench.piece import bench_piece
@@ -23,7 +24,12 @@ from station.bench.rig_calibration import bench_rig_calibration
 from station.bench.rig_intervals import bench_rig_intervals
 from station.bench.rig_times import bench_rig_times
 from station.bench.rig_wheels import bench_rig_wheels
-from station.bench.service import bench_service, bench_service_kills, bench_service_store
+from station.bench.service import (
+    bench_service,
+    bench_service_kills,
+    bench_service_store,
+    bench_service_viewed,
+)
 from station.bench.stripe import bench_stripe, bench_stripe_sigma
 from station.bench.sweeps import bench_sweeps
 from station.progress import Progress
@@ -47,6 +53,7 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
     "capture": capture_benches(),
     "lights": (bench_lights,),
     "measure": measure_benches(),
+    "page": (bench_page,),
     "pairs": (bench_pairs,),
     "paper": (bench_paper,),
     "piece": (bench_piece, bench_piece_u95),
@@ -57,6 +64,7 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
     "service": (bench_service,),
     "service-kills": (bench_service_kills,),
     "service-store": (bench_service_store,),
+    "service-viewed": (bench_service_viewed,),
     "stripe": (bench_stripe, bench_stripe_sigma),
 }
 """What `station bench NAME` measures: one table each."""
@@ -69,6 +77,7 @@ __all__ = [
     "bench_intervals",
     "bench_measure_lights",
     "bench_oblique",
+    "bench_page",
     "bench_pairs",
     "bench_paper",
     "bench_piece",
@@ -83,6 +92,7 @@ __all__ = [
     "bench_service",
     "bench_service_kills",
     "bench_service_store",
+    "bench_service_viewed",
     "bench_solvers",
     "bench_solving",
     "bench_stripe",

@@ -5,7 +5,9 @@ drawn at four times the size in coordinates of the board, blurred by a Gaussian 
 pixels; noise, saturation and 8 bits come last.
 """
 
+import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -39,8 +41,9 @@ class Line:
     width_mm: float = 0.45
 
     def across_mm(self, x, y):
-        n = np.array([-np.sin(self.angle), np.cos(self.angle)])
-        return (x - self.through_mm[0]) * n[0] + (y - self.through_mm[1]) * n[1]
+        # Of Python's numbers: with NumPy's, single precision would become double.
+        sine, cosine = math.sin(self.angle), math.cos(self.angle)
+        return (y - self.through_mm[1]) * cosine - (x - self.through_mm[0]) * sine
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +66,7 @@ class Scene:
 
     def light(self, seed=0):
         """Return the brightness before noise, shape (H, W)."""
-        x, y = _board_coordinates(self.pose)
+        x, y = _board_coordinates(self.pose.rotation.tobytes(), self.pose.translation_mm.tobytes())
         t, pitch = self.target, self.target.pitch_mm
         on_board = (x > -1.3 * pitch) & (x < (t.cols + 0.3) * pitch)
         on_board &= (y > -1.3 * pitch) & (y < (t.rows + 0.3) * pitch)
@@ -133,8 +136,13 @@ def exposed(light, rng, *, read=1.5, gain=0.04):
     return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
 
 
-def _board_coordinates(pose):
-    """Return x and y on the board, mm, of a grid four times as fine as the pixels."""
+@lru_cache(maxsize=1)
+def _board_coordinates(rotation, translation_mm):
+    """Return x and y on the board, mm, of a grid four times as fine as the pixels.
+
+    Most scenes have one pose; its parts come as bytes, for them to be told apart.
+    """
+    pose = RigidTransform(np.frombuffer(rotation).reshape(3, 3), np.frombuffer(translation_mm))
     u, v = np.meshgrid(np.arange(CAMERA.width), np.arange(CAMERA.height))
     rays = CAMERA.rays(np.column_stack([u.ravel(), v.ravel()]).astype(np.float64))
     normal, origin = pose.rotation[:, 2], pose.translation_mm

@@ -82,7 +82,9 @@ def _finite(value: float) -> float | None:
 
 def _warns_from(limit: Limit, *, worn_high: bool) -> float | None:
     inward = -limit.warn_within_mm if worn_high else limit.warn_within_mm
-    return _finite((limit.high_mm if worn_high else limit.low_mm) + inward)
+    start = (limit.high_mm if worn_high else limit.low_mm) + inward
+    # A margin that is wider than the range warns of all of it.
+    return _finite(min(max(start, limit.low_mm), limit.high_mm))
 
 
 def _band(limit: Limit, warns_from: float | None, *, worn_high: bool) -> Iterator[Stretch]:

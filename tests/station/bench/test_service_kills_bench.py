@@ -70,8 +70,13 @@ def test_no_kill_loses_what_was_recorded_or_doubles_a_reading(kills, victims):
     assert [trial.victim for trial in trials] == victims * kills
 
 
+@pytest.fixture(scope="module")
+def pictures():
+    return render_wheels(3)
+
+
 @pytest.fixture
-def ground(tmp_path):
+def ground(tmp_path, pictures):
     """A measured pass of three wheels, as a station leaves it: its layout and its store."""
     layout = DataLayout(tmp_path / "data")
     make_store(layout.store_url)
@@ -80,7 +85,7 @@ def ground(tmp_path):
     path = layout.root / layout.pass_recording("p1", SENSOR)
     path.parent.mkdir(parents=True)
     with RecordingWriter(path) as writer:
-        for number, picture in enumerate(render_wheels(3), start=1):
+        for number, picture in enumerate(pictures, start=1):
             height, width = picture.shape
             time_ns = number * 10**9
             writer.write_frame(

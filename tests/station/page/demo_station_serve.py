@@ -1,15 +1,17 @@
 """Serves the demo station until Ctrl-C: `demo_station_serve.py [--port N] [--data DIR]`."""
 
 import argparse
+import contextlib
 import logging
 import signal
 import tempfile
-import threading
 from pathlib import Path
 
 import structlog
 from demo_station_data import DemoData
 from demo_station_serving import Demo, served, served_quietly
+
+from station.processes.stop_signal import StopSignal
 
 
 def main() -> None:
@@ -20,10 +22,12 @@ def main() -> None:
     asked.add_argument("--quiet", action="store_true", help="the API alone, without cameras")
     given = asked.parse_args()
     structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.ERROR))
-    stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda _number, _frame: stop.set())
-    with tempfile.TemporaryDirectory(prefix="treadline-demo-") as temporary:
+    # As Ctrl-C, so that what was begun is undone; once it serves, both only end the waiting.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with (
+        contextlib.suppress(KeyboardInterrupt),
+        tempfile.TemporaryDirectory(prefix="treadline-demo-") as temporary,
+    ):
         folder = Path(temporary)
         data = DemoData.kept(given.data or folder / "built")
         (folder / "served").mkdir()
@@ -32,7 +36,7 @@ def main() -> None:
             if given.quiet
             else served(data, folder / "served", port=given.port)
         )
-        with serving as demo:
+        with serving as demo, StopSignal() as stop:
             _say(demo)
             stop.wait()
 

@@ -3,6 +3,7 @@
 That the sentence read out can be followed by a person is not shown here.
 """
 
+import contextlib
 import os
 import signal
 import time
@@ -14,6 +15,7 @@ from demo_station_truth import BOARDS, RIGHT
 
 from calib import View
 from station.documents import CalibrationDocument
+from station.errors import RecordingUnreadable
 from station.guiding import Demands, Guide, GuideLost, SessionSoFar, SessionWatch
 from station.guiding.enough import Demand
 from station.guiding.guidance import guidance_of
@@ -118,8 +120,8 @@ def test_more_poses_than_are_there_are_missing(seen):
 def test_a_pose_tells_how_the_target_stood(seen, present):
     guidance = guidance_of(seen, TARGET, DEMANDS)
     stood = {pose.image: pose.translation_mm for pose in present.poses}
-    assert len(stood) == 12
-    for pose, image in zip(guidance.poses, sorted(stood, key=lambda n: int(n.split("#")[1]))):
+    in_order = sorted(stood, key=lambda name: int(name.split("#")[1]))
+    for pose, image in zip(guidance.poses, in_order, strict=True):
         # Of the board's first dot there, of its middle here.
         assert pose.depth_mm == pytest.approx(stood[image][2], abs=120.0)
         assert 0.0 <= pose.tilt_deg < 60.0
@@ -138,40 +140,53 @@ def test_a_calibration_of_other_pictures_is_no_guide(seen, present):
     assert guidance_of(first(seen, 1), TARGET, DEMANDS, strange).next is None
 
 
-def test_the_guide_tells_what_was_told_before_without_asking_again(watch, present):
-    guide = Guide(patience_s=PATIENCE_S)
-    try:
-        told = guide.guidance(watch, DEMANDS, present)
-        assert guide.guidance(watch, DEMANDS, present) is told
-        assert guide.guidance(watch, DEMANDS, None) is not told
-    finally:
-        guide.close()
+@pytest.fixture
+def guide(tmp_path):
+    guide = Guide("warning", tmp_path / "lock", idle_s=PATIENCE_S, patience_s=PATIENCE_S)
+    yield guide
+    guide.close()
 
 
-def test_a_guide_that_died_says_so_and_is_back_with_the_next_question(watch):
-    guide = Guide(patience_s=PATIENCE_S)
-    try:
+def test_the_guide_tells_what_was_told_before_without_asking_again(guide, watch, present):
+    told = guide.guidance(watch, DEMANDS, present)
+    assert guide.guidance(watch, DEMANDS, present) is told
+    assert guide.guidance(watch, DEMANDS, None) is not told
+
+
+def test_a_guide_that_died_is_back_with_the_next_question(guide, watch):
+    guide.guidance(watch, DEMANDS, None)
+    first_pid = guide.pid
+    os.kill(first_pid, signal.SIGKILL)
+    with contextlib.suppress(GuideLost):  # it dies a moment later
         guide.guidance(watch, DEMANDS, None)
-        (pid,) = guide.pids
-        os.kill(pid, signal.SIGKILL)
-        with pytest.raises(GuideLost, match="died"):
-            for _ in range(1000):  # the pool hears of it a moment later
-                guide.guidance(watch, DEMANDS, None)
-        assert len(guide.guidance(watch, DEMANDS, None).poses) == 12
-        assert guide.pids != [pid]
-    finally:
-        guide.close()
-    assert guide.pids == []
+    assert len(guide.guidance(watch, DEMANDS, None).poses) == 12
+    assert guide.pid != first_pid
+    guide.close()
+    assert guide.pid is None
 
 
-def test_a_guide_that_nobody_asks_ends_by_itself(watch):
-    guide = Guide(idle_s=0.1, patience_s=PATIENCE_S)
+def test_a_guide_that_does_not_answer_is_ended(tmp_path, watch):
+    hasty = Guide("warning", tmp_path / "lock", idle_s=PATIENCE_S, patience_s=0.01)
+    with pytest.raises(GuideLost, match="no answer within"):
+        hasty.guidance(watch, DEMANDS, None)
+    assert hasty.pid is None
+
+
+def test_a_guide_that_nobody_asks_ends_by_itself(tmp_path, watch):
+    guide = Guide("warning", tmp_path / "lock", idle_s=0.1, patience_s=PATIENCE_S)
     guide.guidance(watch, DEMANDS, None)
     until_s = time.monotonic() + PATIENCE_S
-    while guide.pids:
+    while guide.pid is not None:
         assert time.monotonic() < until_s, "the process still waits"
         time.sleep(0.02)
     guide.close()
+
+
+def test_a_damaged_recording_is_named_as_what_it_is(guide, tmp_path):
+    damaged = tmp_path / "bad.mcap"
+    damaged.write_bytes(b"no recording" * 100)
+    with pytest.raises(RecordingUnreadable):
+        guide.guidance(SessionWatch(damaged, TARGET), DEMANDS, None)
 
 
 def test_criteria_that_cannot_be_told_are_not_met():

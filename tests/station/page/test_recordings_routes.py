@@ -4,6 +4,8 @@ somebody becomes markup; what scripts make of it the walks show."""
 from datetime import UTC, datetime
 
 import pytest
+from demo_station_browser import PATIENCE_MS
+from playwright.sync_api import expect
 
 from station.recording import Event, EventKind, RecordingWriter
 from station.store import Calibration, Pass, PassState, Recording, Replay, Scope, the
@@ -87,6 +89,19 @@ def test_nothing_that_somebody_wrote_is_markup(seen):
         assert "<img src=x" not in seen(address).text
     assert "&lt;img src=x onerror=alert(1)&gt;" in seen("/recordings/own").text
     assert "&lt;img src=x onerror=alert(1)&gt;" in seen("/recordings/own/contents").text
+
+
+def test_scripts_show_what_somebody_wrote_as_text(filled, page):
+    page.goto(f"{filled.url}/login")
+    page.get_by_label("Key").fill(filled.key(Scope.READ))
+    page.get_by_role("button", name="Log in").click()
+    page.wait_for_url("**/now")
+    page.goto(f"{filled.url}/recordings/own")
+    page.get_by_text("Events", exact=True).last.click()
+    expect(page.get_by_role("cell", name=EVIL)).to_be_visible(timeout=PATIENCE_MS)
+    page.locator(".timeline canvas").hover(position={"x": 4, "y": 88})
+    expect(page.locator(".timeline-said")).to_contain_text(EVIL)
+    assert page.locator("img[src=x]").count() == 0
 
 
 def test_unknown_recordings_are_not_found_on_every_address(seen):

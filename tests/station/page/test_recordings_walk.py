@@ -15,6 +15,7 @@ LOOKS = pytest.mark.parametrize(
     [("light", (1280, 800)), ("dark", (820, 1180))],
     ids=["light on a desk", "dark on a tablet"],
 )
+_PLAYWRIGHTS_OWN_MS = 5_000.0
 RECORDING = "pass.rb17-5.right"
 
 
@@ -22,7 +23,7 @@ RECORDING = "pass.rb17-5.right"
 def _patience():
     expect.set_options(timeout=PATIENCE_MS)
     yield
-    expect.set_options(timeout=None)
+    expect.set_options(timeout=_PLAYWRIGHTS_OWN_MS)
 
 
 def shown(page):
@@ -81,7 +82,7 @@ def walk_through_frames(page):
     page.get_by_role("button", name="Play").click()
     expect(shown(page)).to_have_attribute("data-shown", last)
     expect(page.get_by_role("button", name="Play")).to_be_visible()
-    page.get_by_role("button", name=re.compile("^Show: ")).first.click()
+    page.get_by_role("button", name=re.compile("^Show frame")).first.click()
     expect(shown(page)).to_have_attribute("data-shown", "1")
 
 
