@@ -87,7 +87,10 @@ def _with_routes(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         lifespan=lifespan,
         title="Treadline station",
         version=API_VERSION,
-        description="Measures railway wheels with laser light.",
+        description="Measures railway wheels with laser light.\n\n"
+        "A call carries a key as a bearer token. A browser that has logged in at `/login` carries "
+        "its cookie instead, and `X-CSRF-Token` besides with every call that is not GET; the "
+        "station's own pages know it.",
         # The framework's own pages load their scripts from a CDN, and are open to everybody.
         docs_url=None,
         redoc_url=None,

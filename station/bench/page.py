@@ -2,7 +2,7 @@
 
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -50,7 +50,7 @@ def bench_page(progress: Progress, *, visits: int = 7) -> Table:
             progress(0.9, "drawing a profile")
             drawn_ms = [opened.profile_drawn_ms(f"/wheels/{wheel}") for _ in range(visits)]
             closed = serving.client.finish_pass(_RUNNING, triggers={})
-    return _table(seen, drawn_ms, closed["recordings"][0])
+    return table_of(seen, drawn_ms, closed["recordings"][0])
 
 
 def _measured_wheel(serving: Serving) -> int:
@@ -76,9 +76,12 @@ def _visits(opened: Browser, page: str, visits: int, progress: Progress) -> list
     return [opened.visit(page) for _ in range(visits)]
 
 
-def _table(
-    seen: dict[str, list[Visit]], drawn_ms: Sequence[float], recording: dict[str, int]
+def table_of(
+    seen: Mapping[str, Sequence[Visit]],
+    drawn_ms: Sequence[float],
+    recording: Mapping[str, int],
 ) -> Table:
+    """Return what was seen beside what is asked, of each page and of the drawing of a profile."""
     rows = [row for page, visits in seen.items() for row in _rows(page, visits)]
     rows.append(_row("a wheel's profile, drawn", drawn_ms, "ms", ASKED_DRAWN_MS))
     notes = (

@@ -1,12 +1,13 @@
 """A browser before the station's pages, as the benches use it."""
 
+import time
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from station.errors import InputUnusable
+from station.errors import InputUnusable, StationError
 
 if TYPE_CHECKING:  # of the tests' packages: a station needs no browser
     from playwright import sync_api
@@ -23,8 +24,9 @@ _ARGUMENTS: Final = (
 )
 _PATIENCE_MS = 60_000.0
 _SETTLED_MS = 1000.0
+_LOOK_MS = 50.0
 _INTERACTIVE: Final = "() => performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd"
-_DRAWN: Final = "() => performance.getEntriesByName('profile-drawn').at(0)?.duration"
+_DRAWN: Final = "() => performance.getEntriesByName('profile-drawn').at(0)?.duration ?? null"
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +72,13 @@ class Browser:
         """Open the page of a wheel; return how long drawing its profile took, ms."""
         with self._page() as page:
             page.goto(f"{self._url}{address}")
-            return float(page.wait_for_function(_DRAWN).json_value())
+            # Not by the browser's own waiting: that evaluates text, which the page does not let it.
+            until_s = time.monotonic() + _PATIENCE_MS / 1e3
+            while (took_ms := page.evaluate(_DRAWN)) is None:
+                if time.monotonic() > until_s:
+                    raise StationError(f"{address} drew no profile within {_PATIENCE_MS / 1e3:g} s")
+                page.wait_for_timeout(_LOOK_MS)
+            return float(took_ms)
 
     @contextmanager
     def _page(self) -> Generator["sync_api.Page"]:

@@ -17,6 +17,12 @@ def postgres():
     server.stop()
 
 
+@pytest.fixture
+def once(monkeypatch):
+    """Have locks that are held be tried once: waiting two seconds for them shows nothing more."""
+    monkeypatch.setattr("station.processes.lock._PAUSE_S", 10.0)
+
+
 @pytest.fixture(params=["sqlite", "postgresql"])
 def any_url(request, tmp_path):
     """The URL of an empty database, of each kind in turn."""

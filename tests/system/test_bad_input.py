@@ -1,4 +1,7 @@
-"""Mistakes a user makes, typed at the command line: exit 2 and one line that helps."""
+"""Mistakes a user makes, typed at the command line: exit 2 and one line that helps.
+
+Those of `serve` and `record` are shown beside what these do.
+"""
 
 import json
 import socket
@@ -229,30 +232,6 @@ def test_a_recording_cut_short_is_refused_with_its_cure(station, folder, tmp_pat
 def test_measure_says_that_the_calibration_is_none(station, folder):
     message = refused(station("measure", folder / "one", "--calibration", folder / "text.png"))
     assert "CalibrationDocument" in message
-
-
-def test_record_says_that_no_camera_answers(tmp_path):
-    out = tmp_path / "out.mcap"
-    message = refused(
-        in_a_process("record", "--camera", "127.99.99.99", "--out", out, "--frames", "1")
-    )
-    assert "127.99.99.99" in message
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_serve_says_that_the_port_is_in_use(tmp_path):
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = taken.getsockname()[1]
-        config = tmp_path / "station.toml"
-        config.write_text(
-            f'data_dir = "{tmp_path / "data"}"\nport = {port}\n'
-            '[[sensors]]\nid = "left"\naddress = "127.0.0.1"\n'
-        )
-        message = refused(in_a_process("serve", "--config", config))
-    assert str(port) in message
-    assert "in use" in message
 
 
 def test_simulate_says_that_the_address_is_in_use(folder):

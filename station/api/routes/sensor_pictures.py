@@ -46,7 +46,7 @@ from station.api.view_answers import (
     known_in,
     not_modified,
 )
-from station.operations import Shown
+from station.operations import Shown, sensor_at
 from station.store import Caller, Scope
 from station.viewing import Form
 
@@ -121,4 +121,7 @@ async def _shown(
             None, lambda: showing.newest(sensor, form, max_width=max_width, known=known)
         )
     ensure_may(caller, Scope.OPERATE)
-    return await parts.turns.take(sensor, lambda: showing.look(sensor, form, max_width=max_width))
+    camera_of = sensor_at(parts.station.settings, sensor).id  # no turns for names of nothing
+    return await parts.turns.take(
+        camera_of, lambda: showing.look(sensor, form, max_width=max_width)
+    )

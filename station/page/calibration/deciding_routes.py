@@ -12,6 +12,7 @@ from station.operations import (
     refuse_calibration,
     refuse_rig_calibration,
 )
+from station.page.calibration.going import go_to
 from station.page.shell import ShellOf
 from station.store import Calibration, Recalibration, RigCalibration, the
 
@@ -24,46 +25,42 @@ Why = Annotated[str, Form(min_length=1, max_length=500)]
 
 @router.post(f"{_SENSOR}/activate")
 def post_activate(
-    calibration_id: IdInPath, parts: PartsOf, shell: ShellOf, _: Calibrator, by: By, seen: Version
+    calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, seen: Version
 ) -> Response:
     """Bring a sensor's calibration into force, unless somebody else changed it meanwhile."""
     with parts.station.store.look() as session:
         sensor = the(session, Calibration, calibration_id).sensor
     activate_calibration(parts.station, sensor, calibration_id, seen=seen or None, by=by)
-    said = shell.texts.say("calibration.report.activated", of=sensor)
-    return shell.done(said, to=f"/calibrations/{calibration_id}")
+    return go_to(f"/calibrations/{calibration_id}")
 
 
 @router.post(f"{_RIG}/activate")
 def post_activate_rig(
-    calibration_id: IdInPath, parts: PartsOf, shell: ShellOf, _: Calibrator, by: By, seen: Version
+    calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, seen: Version
 ) -> Response:
     """Bring a rig's calibration into force, as a sensor's."""
     with parts.station.store.look() as session:
         rig = the(session, RigCalibration, calibration_id).rig
     activate_rig_calibration(parts.station, rig, calibration_id, seen=seen or None, by=by)
-    said = shell.texts.say("calibration.report.activated", of=rig)
-    return shell.done(said, to=f"/rig-calibrations/{calibration_id}")
+    return go_to(f"/rig-calibrations/{calibration_id}")
 
 
 @router.post(f"{_SENSOR}/refuse")
 def post_refuse(
-    calibration_id: IdInPath, parts: PartsOf, shell: ShellOf, _: Calibrator, by: By, why: Why
+    calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, why: Why
 ) -> Response:
     """Refuse a sensor's calibration."""
     refuse_calibration(parts.station, calibration_id, why=why, by=by)
-    said = shell.texts.say("calibration.report.refused_now")
-    return shell.done(said, to=f"/calibrations/{calibration_id}")
+    return go_to(f"/calibrations/{calibration_id}")
 
 
 @router.post(f"{_RIG}/refuse")
 def post_refuse_rig(
-    calibration_id: IdInPath, parts: PartsOf, shell: ShellOf, _: Calibrator, by: By, why: Why
+    calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, why: Why
 ) -> Response:
     """Refuse a rig's calibration."""
     refuse_rig_calibration(parts.station, calibration_id, why=why, by=by)
-    said = shell.texts.say("calibration.report.refused_now")
-    return shell.done(said, to=f"/rig-calibrations/{calibration_id}")
+    return go_to(f"/rig-calibrations/{calibration_id}")
 
 
 @router.get("/calibration/recalibrations/{recalibration_id}")
@@ -80,7 +77,6 @@ def get_recalibration(
 def post_answer(
     recalibration_id: IdInPath,
     parts: PartsOf,
-    shell: ShellOf,
     _: Calibrator,
     by: By,
     action: Annotated[Literal["activate", "refuse"], Form()],
@@ -90,5 +86,4 @@ def post_answer(
     """Answer a recalibration that asks."""
     bring = action == "activate"
     answer_recalibration(parts.station, recalibration_id, bring=bring, why=why, seen=seen, by=by)
-    said = shell.texts.say(f"calibration.nights.{'brought' if bring else 'declined'}")
-    return shell.done(said, to=f"/calibration/recalibrations/{recalibration_id}")
+    return go_to(f"/calibration/recalibrations/{recalibration_id}")

@@ -15,6 +15,7 @@ from station.operations import (
     order_calibration,
     order_rig_calibration,
 )
+from station.page.calibration.going import go_to
 from station.page.calibration.opening import TargetForm, order_of
 from station.page.calibration.session import guidance_told, session_shown
 from station.page.shell import ShellOf
@@ -26,7 +27,6 @@ _ONE = "/{session_id}"
 @router.post("")
 def post_session(
     parts: PartsOf,
-    shell: ShellOf,
     _: Calibrator,
     by: By,
     name: Annotated[CallersId, Form()],
@@ -41,8 +41,7 @@ def post_session(
     """Open a session, and go there."""
     target = TargetForm(kind, rows, cols, pitch_mm, dark, diameter_mm).target()
     parts.sessions.open(name, order_of(of, target), by=by)
-    said = shell.texts.say("calibration.session.opened", name=name)
-    return shell.done(said, to=f"/calibration/sessions/{name}")
+    return go_to(f"/calibration/sessions/{name}")
 
 
 @router.get(_ONE)
@@ -74,20 +73,16 @@ def post_capture(
 
 
 @router.post(f"{_ONE}/finish")
-def post_finish(
-    session_id: IdInPath, parts: PartsOf, shell: ShellOf, _: Calibrator, by: By
-) -> Response:
+def post_finish(session_id: IdInPath, parts: PartsOf, _: Calibrator, by: By) -> Response:
     """Close a session."""
-    view = parts.sessions.finish(session_id, by=by)
-    said = shell.texts.say("calibration.session.finished", count=view.row.pictures)
-    return shell.done(said, to=f"/calibration/sessions/{session_id}")
+    parts.sessions.finish(session_id, by=by)
+    return go_to(f"/calibration/sessions/{session_id}")
 
 
 @router.post(f"{_ONE}/solve")
 def post_solve(
     session_id: IdInPath,
     parts: PartsOf,
-    shell: ShellOf,
     _: Calibrator,
     by: By,
     sensor: Annotated[CallersId, Form()],
@@ -96,15 +91,13 @@ def post_solve(
     """Have a sensor's calibration solved from a session, and go to its report."""
     order = CalibrationOrder(sensor, method, session_id, (), None, ())
     row, _job = order_calibration(parts.station, order, by=by)
-    said = shell.texts.say("calibration.session.solving")
-    return shell.done(said, to=f"/calibrations/{row.id}")
+    return go_to(f"/calibrations/{row.id}")
 
 
 @router.post(f"{_ONE}/solve-rig")
 def post_solve_rig(
     session_id: IdInPath,
     parts: PartsOf,
-    shell: ShellOf,
     _: Calibrator,
     by: By,
     rig: Annotated[CallersId, Form()],
@@ -117,5 +110,4 @@ def post_solve_rig(
         rig, session_id, {}, None, targets, boards == "same", board_sigma_mm
     )
     row, _job = order_rig_calibration(parts.station, order, by=by)
-    said = shell.texts.say("calibration.session.solving")
-    return shell.done(said, to=f"/rig-calibrations/{row.id}")
+    return go_to(f"/rig-calibrations/{row.id}")

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ _GRID_STEP_MM = 0.25
 _WIDEST_GAP_MM = 2.0
 """Between points that are farther apart the profile was not seen, and nothing is drawn."""
 _COVERAGE = 1.96
+_SAME_TIME = timedelta(milliseconds=25)
+"""A frame apart at 40 a second; the next wheel of a bogie comes 45 ms later at 40 m/s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,12 +93,13 @@ def compared(before: Iterable[Measurement], after: Iterable[Measurement]) -> tup
     """Return the wheels of two measurings of one recording, in the order of their frames.
 
     Readings are of one wheel where they share a frame: with another calibration another of the
-    wheel's frames may have carried most weight.
+    wheel's frames may have carried most weight.  Those of a rig may be kept with the frames of its
+    other sensor, which saw the wheel at the same time.
     """
     left = list(before)
     pairs: list[Compared] = []
     for row in after:
-        same = next((each for each in left if _frames(each) & _frames(row)), None)
+        same = next((each for each in left if _of_one_wheel(each, row)), None)
         if same is not None:
             left.remove(same)
         pairs.append(Compared(same, row))
@@ -141,6 +145,15 @@ def _value(row: Measurement | None, quantity: Quantity) -> Value:
         status=Status(told.get("status", Status.MISSING)),
         alarm=Alarm(told.get("alarm", Alarm.UNKNOWN)),
     )
+
+
+def _of_one_wheel(one: Measurement, other: Measurement) -> bool:
+    if one.recording_id == other.recording_id:
+        return bool(_frames(one) & _frames(other))
+    times = [
+        datetime.fromisoformat(time) for each in (one, other) if (time := each.wheel.get("time"))
+    ]
+    return len(times) == 2 and abs(times[0] - times[1]) <= _SAME_TIME
 
 
 def _frames(row: Measurement) -> set[int]:

@@ -1,10 +1,12 @@
-"""What the first file of a recording says of itself: settings of the camera, names, attachments."""
+"""What the files of a recording say: settings of the camera, names, attachments, event times."""
 
 from dataclasses import dataclass
+from datetime import datetime
 
 from station.errors import InputUnusable, RecordingUnreadable
 from station.operations import Station, recording_file
-from station.recording import RecordingInfo, info
+from station.recording import Event, RecordingInfo, info
+from station.viewing import moment
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,3 +33,8 @@ def contents(station: Station, recording_id: str) -> Contents:
     except (InputUnusable, RecordingUnreadable) as error:
         # Where the station keeps its files is nobody's business.
         return Contents(None, str(error).replace(str(path), "its first file"))
+
+
+def moment_of(event: Event) -> datetime:
+    """Return when an event happened, UTC."""
+    return datetime.fromisoformat(moment(event.time_ns))

@@ -17,6 +17,7 @@ from station.store import (
     Recording,
     Replay,
     measured_from,
+    measured_together_with,
     profiles_of,
     replayed_as,
     the,
@@ -34,6 +35,8 @@ class ReplayPage:
     """What the recording had been measured with; None where it had not been measured."""
     after: Calibration
     before_reference: str | None
+    before_rig: str | None
+    """The rig's calibration, where it had been measured together with others."""
     wheels: tuple[Compared, ...]
     refused: str | None
     """Why the recording could not be measured."""
@@ -76,6 +79,7 @@ def replay_page(station: Station, recording_id: str, replay_id: str) -> ReplayPa
             before=the(session, Calibration, before[0].calibration_id) if before else None,
             after=the(session, Calibration, row.calibrations[recording.sensor]),
             before_reference=before[0].reference if before else None,
+            before_rig=before[0].rig_calibration_id if before else None,
             wheels=compared(before, after),
             refused=row.results.get(recording.id, {}).get("refused"),
         )
@@ -105,7 +109,7 @@ def _is_of(row: Replay, recording_id: str) -> bool:
 def _measured_before(
     session: Session, recording: Recording, after: list[Measurement]
 ) -> list[Measurement]:
-    """Return what a replay is compared with: the recording's own readings, but its own."""
+    """Return what a replay is compared with: the recording's own readings, else those of its rig."""
     known = {each.id for each in after}
     others = [each for each in measured_from(session, recording.id) if each.id not in known]
-    return own_readings(recording, others)
+    return own_readings(recording, others) or list(measured_together_with(session, recording))

@@ -7,14 +7,18 @@ from anyio import to_thread
 from fastapi import APIRouter, Query, Request, Response
 
 from station.api import By, Calibrator, PartsOf, Reader
-from station.page.recordings.contents import contents
+from station.operations import events_page
+from station.page.recordings.contents import contents, moment_of
 from station.page.recordings.list_view import recording_list
 from station.page.recordings.recording_view import recording_page, wheel_frames
 from station.page.recordings.search import Search
 from station.page.shell import ShellOf
+from station.recording import LOSSES
 from station.store import RecordingKind
 
 router = APIRouter()
+
+_MOST_EVENTS = 200
 
 
 @router.get("/recordings")
@@ -59,6 +63,16 @@ async def get_timeline(recording_id: str, parts: PartsOf, _: Reader) -> Response
     show = partial(parts.showing.timeline, recording_id, frames)
     view = (await parts.turns.take(None, show)).view
     return Response(view.content, media_type=view.form.media_type)
+
+
+@router.get("/recordings/{recording_id}/events")
+def get_events(
+    recording_id: str, request: Request, shell: ShellOf, parts: PartsOf, _: Reader
+) -> Response:
+    """Return what happened while it was recorded, a part of the page of one without frames."""
+    found, more = events_page(parts.station, recording_id, after=0, limit=_MOST_EVENTS)
+    events = [(moment_of(each.event), each.event) for each in found]
+    return shell.page(request, "recordings/events.html", events=events, more=more, losses=LOSSES)
 
 
 @router.post("/recordings/{recording_id}/delete")

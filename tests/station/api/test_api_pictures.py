@@ -214,6 +214,12 @@ def test_a_look_shows_what_the_camera_sees_now_and_is_let_go(served, call):
             os.fstat(look.descriptor)
 
 
+def test_names_of_no_sensor_leave_nothing_behind(served, call):
+    for number in range(3):
+        assert call.get(f"/v1/sensors/s{number}/view?source=look").status_code == 404
+    assert not served.app.state.parts.turns._of
+
+
 def test_a_look_needs_the_scope_to_operate(served):
     looks = give(served.captures["left"], 4)
     for scope, status in ((Scope.READ, 403), (Scope.OPERATE, 200)):

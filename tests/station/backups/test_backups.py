@@ -112,6 +112,7 @@ def test_a_backup_made_while_somebody_writes_holds_whole_transactions(layout, tm
     assert found % 2 == 0
 
 
+@pytest.mark.usefixtures("once")
 def test_a_backup_is_not_restored_while_the_station_runs(layout, tmp_path):
     made = make_backup(layout.store_url, tmp_path / "one.backup")
     add_passes(layout, "p1")
@@ -120,6 +121,7 @@ def test_a_backup_is_not_restored_while_the_station_runs(layout, tmp_path):
     assert passes_in(layout) == 1
 
 
+@pytest.mark.usefixtures("once")
 def test_a_backup_is_not_restored_while_processes_of_a_killed_station_are_ending(layout, tmp_path):
     made = make_backup(layout.store_url, tmp_path / "one.backup")
     add_passes(layout, "p1")

@@ -81,6 +81,7 @@ def test_a_backup_is_made_and_brought_back(station, trail, tmp_path, layout):
     assert newest["who"].endswith("at the command line")
 
 
+@pytest.mark.usefixtures("once")
 def test_each_refusal_is_one_line(station, layout, trail, tmp_path):
     out = tmp_path / "one.backup"
     assert station("backup", "--out", str(out))[0] == 0

@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from demo_station_truth import BOARDS, RIGHT
 
-from calib import View
+from calib import Target, View
 from station.documents import CalibrationDocument
 from station.errors import RecordingUnreadable
 from station.guiding import Demands, Guide, GuideLost, SessionSoFar, SessionWatch
 from station.guiding.enough import Demand
 from station.guiding.guidance import guidance_of
 from station.settings import ExposureSettings
-from station.store import Calibration, Store
+from station.store import Calibration, Recording, Store
 
 TARGET = BOARDS[RIGHT]
 DEMANDS = Demands(fewest_poses=6)
@@ -28,12 +28,28 @@ PATIENCE_S = 60.0
 
 
 @pytest.fixture(scope="module")
-def watch(demo_data):
-    recording = (
-        demo_data.folder / "data" / "recordings" / "sessions" / "right-spring" / "right.mcap"
-    )
-    assert recording.exists()
-    return SessionWatch(recording, TARGET)
+def kept(demo_data):
+    """The first calibration of the right sensor, and the recording it was solved from."""
+    store = Store.open(f"sqlite:///{demo_data.folder / 'data' / 'station.sqlite'}")
+    with store.look() as session:
+        row = session.get(Calibration, demo_data.told.calibrations["right-1"])
+        (name,) = row.recording_ids["recordings"]
+        path = demo_data.folder / "data" / session.get(Recording, name).path
+    store.close()
+    return row, path
+
+
+@pytest.fixture(scope="module")
+def watch(kept):
+    row, recording = kept
+    return SessionWatch(recording, Target.parse(row.target))
+
+
+@pytest.fixture(scope="module")
+def small(demo_data):
+    """A session of two pictures."""
+    sessions = demo_data.folder / "data" / "recordings" / "sessions"
+    return SessionWatch(sessions / "right-too-few" / "right.mcap", TARGET)
 
 
 @pytest.fixture(scope="module")
@@ -42,12 +58,8 @@ def seen(watch):
 
 
 @pytest.fixture(scope="module")
-def present(demo_data):
-    store = Store.open(f"sqlite:///{demo_data.folder / 'data' / 'station.sqlite'}")
-    with store.look() as session:
-        row = session.get(Calibration, demo_data.told.calibrations["right-1"])
-    store.close()
-    return CalibrationDocument.model_validate_json(row.document)
+def present(kept):
+    return CalibrationDocument.model_validate_json(kept[0].document)
 
 
 def first(seen, count):
@@ -59,7 +71,7 @@ def by_demand(guidance):
 
 
 def test_every_picture_of_a_session_is_looked_at_once(watch, seen):
-    assert len(seen.views) == len(seen.seen) == 12
+    assert len(seen.views) == len(seen.seen) >= 8
     assert all(view.stripe is not None for view in seen.views)
     assert watch.go_on(seen) == seen
 
@@ -69,15 +81,17 @@ def test_a_session_is_taken_up_where_it_was_left(watch, seen):
     assert told.seen == ()
 
 
-def test_frames_of_a_pose_that_is_not_whole_yet_wait(watch):
-    steps = tuple(ExposureSettings(exposure_us=100.0 + step) for step in range(5))
+def test_frames_of_a_pose_that_is_not_whole_yet_wait(watch, seen):
+    whole = seen.seen
+    count = len(whole) // 2 + 1
+    steps = tuple(ExposureSettings(exposure_us=100.0 + step) for step in range(count))
     told = replace(watch, exposures=steps).go_on(SessionSoFar())
-    assert len(told.seen) == 2  # of 12 frames, 5 a pose, two are left
+    assert len(told.seen) == 1
     assert all(isinstance(each, View) for each in told.seen)
 
 
-def test_a_picture_without_the_target_says_why(watch, seen):
-    other = replace(watch, target=replace(TARGET, rows=9, cols=11))
+def test_a_picture_without_the_target_says_why(small):
+    other = replace(small, target=replace(TARGET, rows=9, cols=11))
     told = other.go_on(SessionSoFar())
     guidance = guidance_of(told, other.target, DEMANDS)
     assert told.views == ()
@@ -101,13 +115,13 @@ def test_without_any_calibration_nothing_is_promised_before_three_pictures(seen)
     assert not guidance.enough
 
 
-def test_all_pictures_are_enough_and_few_are_not(seen):
-    few, every = (guidance_of(first(seen, count), TARGET, DEMANDS) for count in (4, 12))
+def test_more_pictures_leave_less_open(seen):
+    few, every = (guidance_of(first(seen, count), TARGET, DEMANDS) for count in (4, len(seen.seen)))
     assert not few.enough
     assert by_demand(few)[Demand.POSES].value == 4
     sheet_few, sheet_all = (by_demand(each)[Demand.SHEET].value for each in (few, every))
     assert sheet_all < sheet_few
-    assert by_demand(every)[Demand.SHEET].met
+    assert by_demand(every)[Demand.FOCAL].met
     assert by_demand(every)[Demand.DOTS].value == pytest.approx(1.0, abs=0.3)
 
 
@@ -147,34 +161,34 @@ def guide(tmp_path):
     guide.close()
 
 
-def test_the_guide_tells_what_was_told_before_without_asking_again(guide, watch, present):
-    told = guide.guidance(watch, DEMANDS, present)
-    assert guide.guidance(watch, DEMANDS, present) is told
-    assert guide.guidance(watch, DEMANDS, None) is not told
+def test_the_guide_tells_what_was_told_before_without_asking_again(guide, small, present):
+    told = guide.guidance(small, DEMANDS, present)
+    assert guide.guidance(small, DEMANDS, present) is told
+    assert guide.guidance(small, DEMANDS, None) is not told
 
 
-def test_a_guide_that_died_is_back_with_the_next_question(guide, watch):
-    guide.guidance(watch, DEMANDS, None)
+def test_a_guide_that_died_is_back_with_the_next_question(guide, small):
+    guide.guidance(small, DEMANDS, None)
     first_pid = guide.pid
     os.kill(first_pid, signal.SIGKILL)
     with contextlib.suppress(GuideLost):  # it dies a moment later
-        guide.guidance(watch, DEMANDS, None)
-    assert len(guide.guidance(watch, DEMANDS, None).poses) == 12
+        guide.guidance(small, DEMANDS, None)
+    assert len(guide.guidance(small, DEMANDS, None).poses) == 2
     assert guide.pid != first_pid
     guide.close()
     assert guide.pid is None
 
 
-def test_a_guide_that_does_not_answer_is_ended(tmp_path, watch):
+def test_a_guide_that_does_not_answer_is_ended(tmp_path, small):
     hasty = Guide("warning", tmp_path / "lock", idle_s=PATIENCE_S, patience_s=0.01)
     with pytest.raises(GuideLost, match="no answer within"):
-        hasty.guidance(watch, DEMANDS, None)
+        hasty.guidance(small, DEMANDS, None)
     assert hasty.pid is None
 
 
-def test_a_guide_that_nobody_asks_ends_by_itself(tmp_path, watch):
+def test_a_guide_that_nobody_asks_ends_by_itself(tmp_path, small):
     guide = Guide("warning", tmp_path / "lock", idle_s=0.1, patience_s=PATIENCE_S)
-    guide.guidance(watch, DEMANDS, None)
+    guide.guidance(small, DEMANDS, None)
     until_s = time.monotonic() + PATIENCE_S
     while guide.pid is not None:
         assert time.monotonic() < until_s, "the process still waits"
@@ -182,9 +196,11 @@ def test_a_guide_that_nobody_asks_ends_by_itself(tmp_path, watch):
     guide.close()
 
 
-def test_a_damaged_recording_is_named_as_what_it_is(guide, tmp_path):
-    damaged = tmp_path / "bad.mcap"
-    damaged.write_bytes(b"no recording" * 100)
+def test_a_damaged_recording_is_named_as_what_it_is(guide, small, tmp_path):
+    damaged = tmp_path / "right.mcap"
+    content = bytearray(small.recording.read_bytes())
+    content[len(content) // 4] ^= 0xFF
+    damaged.write_bytes(content)
     with pytest.raises(RecordingUnreadable):
         guide.guidance(SessionWatch(damaged, TARGET), DEMANDS, None)
 

@@ -98,10 +98,10 @@ def _one_picture_fills_the_screen(page):
     button = figure(page, "left-inner").locator('[data-press="enlarge"]')
     before = figure(page, "left-inner").locator("img").bounding_box()["width"]
     button.click()
-    page.wait_for_function("document.fullscreenElement !== null")
+    page.locator("figure:fullscreen").wait_for()
     assert figure(page, "left-inner").locator("img").bounding_box()["width"] > 1.5 * before
     button.click()
-    page.wait_for_function("document.fullscreenElement === null")
+    page.locator("figure:fullscreen").wait_for(state="detached")
     assert not pressed(button)
 
 
@@ -168,9 +168,9 @@ def test_a_page_that_nobody_sees_asks_for_nothing(page, served_demo):
         new PerformanceObserver((list) => { window.asked += list.getEntries().length; })
           .observe({ entryTypes: ["resource"] });
     }""")
-    page.wait_for_timeout(1000)  # what was under way comes to its end
+    page.wait_for_timeout(700)  # what was under way comes to its end
     before = page.evaluate("window.asked")
-    page.wait_for_timeout(1500)
+    page.wait_for_timeout(1200)  # more than a second, in which every part would be asked for
     assert page.evaluate("window.asked") == before
 
 
@@ -214,5 +214,6 @@ def _bytes_of_first_view(page):
     came = []
     wire.on("Network.loadingFinished", lambda told: came.append(told["encodedDataLength"]))
     page.reload()
-    page.wait_for_function("document.querySelectorAll('figure img').length >= 2")
+    for sensor in SENSORS[:2]:  # at first sight; the third is further down
+        figure(page, sensor).locator("img").wait_for()
     return sum(came)

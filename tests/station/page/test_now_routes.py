@@ -284,6 +284,7 @@ def test_work_under_way_is_shown_with_how_far_it_is(station, reader):
         job.progress, job.doing = 0.25, "frame 3 of 12"
     live = reader.get("/now/live").text
     assert SHOWN_MARKUP in live
+    assert MARKUP not in live
     assert "frame 3 of 12" in live
     assert 'value="0.25"' in live
 

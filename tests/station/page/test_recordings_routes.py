@@ -7,6 +7,7 @@ import pytest
 from demo_station_browser import PATIENCE_MS
 from playwright.sync_api import expect
 
+from station.page.texts import Texts
 from station.recording import Event, EventKind, RecordingWriter
 from station.store import Calibration, Pass, PassState, Recording, Replay, Scope, the
 
@@ -120,6 +121,17 @@ def test_time_line_has_the_frames_and_events_of_the_recording(seen):
     told = seen("/recordings/own/timeline").json()
     assert (told["frames"], sum(told["bins"]["frames"]), told["seconds"]) == (3, 3, 3.0)
     assert [(each["kind"], each["detail"]) for each in told["events"]] == [("frames_lost", EVIL)]
+
+
+def test_events_of_a_recording_without_frames_are_shown_as_text(seen):
+    text = seen("/recordings/own/events").text
+    assert "frames lost" in text
+    assert "&lt;img src=x" in text
+
+
+def test_every_kind_of_event_has_its_words():
+    texts = Texts.of()
+    assert all(f"recordings.events.{kind}" in texts for kind in EventKind)
 
 
 def test_who_may_only_read_sees_no_button_that_would_be_refused(seen, filled):

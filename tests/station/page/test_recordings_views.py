@@ -121,6 +121,24 @@ def test_readings_of_one_wheel_are_paired_by_a_frame_they_share():
     assert pairs == [(1, 3), (2, None), (None, 4)]
 
 
+def test_readings_of_a_rig_are_paired_by_the_time_when_the_wheel_went_by():
+    def seen(number, recording_id, time):
+        row = measurement(number, 7 * number)
+        row.recording_id, row.wheel["time"] = recording_id, time
+        return row
+
+    before = [
+        seen(1, "other", "2026-07-01T12:00:00.000000Z"),
+        seen(2, "other", "2026-07-01T12:00:00.060000Z"),
+    ]
+    after = [seen(3, "r", "2026-07-01T12:00:00.041000Z"), seen(4, "r", None)]
+    pairs = {
+        (pair.before and pair.before.id, pair.after and pair.after.id)
+        for pair in compared(before, after)
+    }
+    assert pairs == {(1, None), (2, 3), (None, 4)}
+
+
 def test_readings_agree_where_they_differ_by_no_more_than_both_uncertainties_together():
     before = measurement(1, 4, flange_height=(30.0, 0.3), diameter=(900.0, 0.3), hollow_depth=None)
     after = measurement(2, 4, flange_height=(30.5, 0.4), diameter=(900.51, 0.4))

@@ -5,6 +5,7 @@ import re
 
 import pytest
 from paged_station import PEOPLE
+from test_shell_templates import faults_of
 
 from station.api import CSRF_HEADER
 from station.errors import StateConflict, StoreUnusable
@@ -148,3 +149,17 @@ def test_the_pages_of_refusals_hold_the_strict_policy_too(paged):
             assert "unsafe" not in policy
             assert headers["X-Content-Type-Options"] == "nosniff"
             assert headers["Cache-Control"] == "no-store"
+
+
+def test_no_page_as_it_is_sent_has_anything_inline(paged):
+    seen = 0
+    with paged.browser(paged.key(*Scope)) as browser:
+        for method, path in routes_of(paged.app):
+            if method != "GET" or path.startswith("/v1/"):
+                continue
+            reply = browser.get(path, follow_redirects=True)
+            if reply.headers["content-type"].startswith("text/html") and path != "/docs":
+                seen += 1
+                assert faults_of(reply.text) == [], path
+                assert "unsafe" not in reply.headers["Content-Security-Policy"], path
+    assert seen > 20

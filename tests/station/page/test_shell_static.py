@@ -17,9 +17,10 @@ ASSETS = Assets.read()
 
 
 def test_a_file_is_sent_packed_or_plain_and_kept_for_good(paged):
+    assets = paged.app.state.shell.assets
     for accepted, packed in (("gzip, br", True), ("identity", False)):
         with paged.client(**{"Accept-Encoding": accepted}) as stranger:
-            reply = stranger.get(ASSETS.address("page.css"))
+            reply = stranger.get(assets.address("page.css"))
         assert reply.status_code == 200
         assert reply.content == (ROOT / "static" / "page.css").read_bytes()
         assert (reply.headers.get("Content-Encoding") == "gzip") == packed
@@ -46,7 +47,7 @@ def test_a_file_is_sent_packed_or_plain_and_kept_for_good(paged):
 )
 def test_nothing_but_the_files_of_the_pages_is_sent(paged, name):
     with paged.client() as stranger:
-        for digest in (ASSETS.digest, "0" * 16, "..", "%2e%2e"):
+        for digest in (paged.app.state.shell.assets.digest, "0" * 16, "..", "%2e%2e"):
             reply = stranger.get(f"/static/{digest}/{name}")
             assert reply.status_code in {401, 404}, (digest, name)
 
@@ -84,9 +85,8 @@ def test_what_is_not_ours_is_unchanged_and_listed_with_its_licence():
 def test_the_distribution_has_every_file_of_the_pages():
     settings = tomllib.loads((ROOT.parents[1] / "pyproject.toml").read_text())
     kept = settings["tool"]["setuptools"]["package-data"]["*"]
-    files = [
-        path for path in ROOT.rglob("*") if path.is_file() and path.suffix not in {".py", ".pyc"}
-    ]
+    served = {"static", "templates", "texts"}
+    files = [path for path in ROOT.rglob("*") if path.is_file() and served & {*path.parts}]
     assert len(files) > 20
     for path in files:
         assert any(fnmatch.fnmatch(path.name, pattern) for pattern in kept), path

@@ -72,6 +72,13 @@ class Markup(HTMLParser):
             self.words.append(text)
 
 
+def faults_of(text):
+    """What a policy would refuse of a page as it is sent."""
+    markup = Markup()
+    markup.feed(text)
+    return markup.faults
+
+
 def tree_of(path):
     return Environment(autoescape=True).parse(path.read_text("utf-8"))  # noqa: S701  nothing is rendered
 
@@ -163,7 +170,7 @@ def test_every_text_that_a_template_asks_for_is_there():
 
 def test_every_text_is_asked_for():
     strings = strings_of_sources()
-    begun = {one for one in strings if re.fullmatch(r"[a-z_]+(\.[a-z0-9_]+)*\.", one)}
+    begun = {one for one in strings if re.fullmatch(r"[a-z_]+\.[a-z0-9_.]*[._]", one)}
     for path in TEMPLATES:
         begun |= constants_of_template(path)[1]
     begun |= {f"{one}." for one in strings if re.fullmatch(r"[a-z_]+(\.[a-z_]+)+", one)}

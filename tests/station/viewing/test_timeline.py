@@ -2,6 +2,7 @@
 grow with it, and made anew only where the files are others."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from viewing_samples import HEIGHT, NOON_NS, WIDTH, write_striped
@@ -100,9 +101,12 @@ def test_a_time_line_is_a_form_of_the_viewing_process(path):
     order = ViewOrder(Form.TIMELINE, path, about={"recording": "r1"}, frame_ids=(102,))
     again = ViewOrder.from_json(json.loads(json.dumps(order.to_json())), None)
     assert again == order
-    told = json.loads(Desk(Finder()).view(again).content)
+    desk = Desk(Finder())
+    told = json.loads(desk.view(again).content)
     assert (told["recording"], told["frames"]) == ("r1", 3)
     assert told["places"]["102"]["number"] == 2
+    others = replace(order, frame_ids=(103,))
+    assert list(json.loads(desk.view(others).content)["places"]) == ["103"]
 
 
 def test_a_table_is_read_again_only_when_the_files_are_others(path, monkeypatch):

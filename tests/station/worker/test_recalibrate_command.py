@@ -67,6 +67,7 @@ def test_unknown_sensor_is_exit_2_and_names_those_there_are(call):
     assert "the station has left, right" in err
 
 
+@pytest.mark.usefixtures("once")
 def test_beside_a_worker_it_does_nothing(shop, call):
     with held(shop.ground.layout.worker_lock, "a worker"):
         code, _, err = call()

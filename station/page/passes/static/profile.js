@@ -43,6 +43,7 @@ export function profileChart(element, drawings, words) {
   const fit = () => {
     const { d, h } = first.window_mm;
     const width = field.clientWidth;
+    if (width === 0) return; // hidden, or no longer on the page: there is no scale
     const height = Math.max(LEAST_HEIGHT_PX, (width * (h[1] - h[0])) / (d[1] - d[0]));
     picture.setAttribute("viewBox", `0 0 ${width} ${height}`);
     picture.setAttribute("height", height);

@@ -1,7 +1,7 @@
 // Both profiles of a wheel in one chart, and their difference with its bound.
 import { lineChart } from "../charts/line.js";
 import { quantity } from "../charts/numbers.js";
-import { answered } from "./frames.js";
+import { answered, Refused } from "./frames.js";
 import { fill } from "./texts.js";
 
 const texts = JSON.parse(document.getElementById("compared-texts").textContent);
@@ -13,12 +13,17 @@ document.getElementById("main").addEventListener("click", (event) => {
 });
 
 async function show(place) {
-  const { frame, profiles } = place.dataset;
-  const told = await (await answered(profiles)).json();
-  if (!told.d_mm) {
-    place.textContent = texts.no_profile;
-    return;
+  try {
+    const told = await (await answered(place.dataset.profiles)).json();
+    if (told.d_mm) draw(place, told);
+    else place.textContent = texts.no_profile;
+  } catch (error) {
+    place.textContent = error instanceof Refused ? error.message : texts.unreachable;
   }
+}
+
+function draw(place, told) {
+  const { frame } = place.dataset;
   const [both, difference] = [0, 1].map(() => document.createElement("div"));
   place.replaceChildren(
     titled(fill(texts.profiles_title, { frame })), both, titled(texts.difference_title), differing(told), difference,
