@@ -11,6 +11,7 @@ from calib import CalibError
 from station import errors
 from station.api import refusals
 from station.api.addresses import methods_at
+from station.guiding import GuideLost
 from station.viewing import ViewerLost
 
 _log = structlog.get_logger()
@@ -41,6 +42,7 @@ STATUS_OF: dict[type[Exception], int] = {
     refusals.IdempotencyKeyReused: 422,
     refusals.PicturesBusy: 503,
     refusals.TooManyBadKeys: 429,
+    GuideLost: 503,
     ViewerLost: 503,
 }
 

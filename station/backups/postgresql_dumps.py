@@ -59,7 +59,8 @@ def load_dump(url: str, path: Path) -> None:
     names = ", ".join([*Table.metadata.tables, "alembic_version"])
     emptied = (
         f"DROP TABLE IF EXISTS {names} CASCADE;\n"
-        "DROP FUNCTION IF EXISTS refuse_change_of_audit() CASCADE;\n"
+        "DROP FUNCTION IF EXISTS refuse_change_of_audit(), note_change_by_id(),"
+        " note_change_by_pass_id() CASCADE;\n"
     )
     # In the dump of a database whose schema somebody made anew; here there is one already.
     script = script.replace(b"\nCREATE SCHEMA public;\n", b"\n")

@@ -1,17 +1,14 @@
-"""Recordings of several sensors, measured pass for pass, axle for axle."""
+"""The recordings of one pass, by several sensors, measured axle for axle."""
 
-from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 from measure import Side
 from station.documents import WheelDocument
 from station.pipeline import RigGauge, WheelGauge, on_axles
-from station.recording import info
 
-Parts = Sequence[Path]
-Measured = Callable[[Mapping[str, Parts], WheelGauge], Iterator[WheelDocument]]
-"""Yields the wheels in recordings of one sensor."""
+Measured = Callable[[str, WheelGauge], Iterator[WheelDocument]]
+"""Yields the wheels in a recording, whose name is given."""
 MeasuredOnRig = Callable[[Mapping[str, str], RigGauge], Iterator[WheelDocument]]
 """Yields the wheels in recordings of a rig's sensors, whose names are given by sensor."""
 
@@ -40,49 +37,43 @@ class Lookers:
         every: list[WheelGauge | RigGauge] = [*self.gauges.values(), *self.rigs.values()]
         return every[0]
 
-    @property
-    def sensors(self) -> tuple[str, ...]:
-        """All sensors."""
-        return (*self.gauges, *(name for rig in self.rigs.values() for name in rig.rig.names))
 
-
-def wheels_of_passes(
-    recordings: Mapping[str, Parts],
+def wheels_of_pass(
+    one_pass: Mapping[str, str],
     lookers: Lookers,
-    refused: MutableMapping[str, str],
+    refused: Mapping[str, str],
     measured: Measured,
     measured_on_rig: MeasuredOnRig,
 ) -> Iterator[WheelDocument]:
-    """Yield the wheels of pass after pass, each with axle and side; those of one are in memory.
+    """Yield the wheels of a pass, each with axle and side; all are in memory.
 
     Parameters
     ----------
-    recordings
-        The files of each, by its name.
+    one_pass
+        The name of each sensor's recording.
     lookers
         What to measure with.
     refused
-        Recordings of which nothing is used, and why; is added to, by what measures as well.
+        Recordings of which nothing is used, and why; is added to by what measures.
     measured, measured_on_rig
         How to measure.
     """
-    for one_pass in _passes(recordings, lookers.sensors, refused):
-        seen = {
-            sensor: tuple(measured({name: recordings[name]}, lookers.gauges[sensor]))
-            for sensor, name in one_pass.items()
-            if sensor in lookers.gauges
-        }
-        sound = {sensor: own for sensor, own in seen.items() if one_pass[sensor] not in refused}
-        for rig, gauge in lookers.rigs.items():
-            own = {name: one_pass[name] for name in gauge.rig.names if name in one_pass}
-            wheels = _seen_by_rig(own, gauge, refused, measured_on_rig)
-            if wheels is not None:
-                sound[rig] = wheels
-        known = {looker: wheels for looker, wheels in sound.items() if looker in lookers.sides}
-        yield from on_axles(known, lookers.sides)
-        for looker, wheels in sound.items():
-            if looker not in lookers.sides:
-                yield from wheels
+    seen = {
+        sensor: tuple(measured(name, lookers.gauges[sensor]))
+        for sensor, name in one_pass.items()
+        if sensor in lookers.gauges
+    }
+    sound = {sensor: own for sensor, own in seen.items() if one_pass[sensor] not in refused}
+    for rig, gauge in lookers.rigs.items():
+        own = {name: one_pass[name] for name in gauge.rig.names if name in one_pass}
+        wheels = _seen_by_rig(own, gauge, refused, measured_on_rig)
+        if wheels is not None:
+            sound[rig] = wheels
+    known = {looker: wheels for looker, wheels in sound.items() if looker in lookers.sides}
+    yield from on_axles(known, lookers.sides)
+    for looker, wheels in sound.items():
+        if looker not in lookers.sides:
+            yield from wheels
 
 
 def _seen_by_rig(
@@ -107,30 +98,3 @@ def _seen_by_rig(
         wheels = tuple(measured_on_rig(sound, replace(gauge, silent=missing)))
         if refused.keys().isdisjoint(sound.values()):
             return wheels
-
-
-def _passes(
-    recordings: Mapping[str, Parts],
-    known: Sequence[str],
-    refused: MutableMapping[str, str],
-) -> list[dict[str, str]]:
-    """Return, of each pass, the name of each sensor's recording."""
-    found: dict[str, list[dict[str, str]]] = {}
-    for name, parts in recordings.items():
-        about = info(parts[0])
-        sensors = [one.sensor for one in about.sensors]
-        if len(sensors) != 1 or sensors[0] not in known:
-            refused[name] = (
-                f"{name} is of sensor {', '.join(sensors)} but the calibrations are of "
-                f"{', '.join(known)}; give one calibration of each sensor"
-            )
-            continue
-        (sensor,) = sensors
-        named_alike = found.setdefault(about.metadata.get("session", {}).get("id", name), [])
-        # A pass has one recording of a sensor: a second is of another pass of that name.
-        free = next((one for one in named_alike if sensor not in one), None)
-        if free is None:
-            named_alike.append({sensor: name})
-        else:
-            free[sensor] = name
-    return [one_pass for passes in found.values() for one_pass in passes]

@@ -1,4 +1,4 @@
-"""What came of measuring recordings again."""
+"""What came of measuring recordings again, or would."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -20,12 +20,34 @@ class ReplayReport:
     out: Path
     recordings: int
     """Those in the table."""
+    found_measured: int
+    """Of these, those that an earlier run had measured."""
     frames: int
     """Frames that were read; those of refused recordings up to where they are damaged."""
     wheels: int
     """Rows of the table."""
     measured: int
     """Rows with readings; the others have a reason."""
+    refused: tuple[Refusal, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as the command line prints it."""
+        return {**asdict(self), "out": str(self.out), "refused": [asdict(r) for r in self.refused]}
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayForecast:
+    """What a replay would do."""
+
+    out: Path
+    recordings: int
+    """Those that would be measured, or are."""
+    tasks: int
+    """A task measures one recording, or those of one pass."""
+    found_measured: int
+    """Tasks that an earlier run has done."""
+    frames: int
+    """Frames to read, about."""
     refused: tuple[Refusal, ...]
 
     def to_json(self) -> dict[str, Any]:

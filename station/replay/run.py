@@ -1,45 +1,33 @@
-"""Measuring recordings again: the same steps as a pass's, as fast as the cores go."""
+"""Measuring recordings again: the same steps as a pass's, on as many cores as there are."""
 
-from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
-from datetime import UTC, datetime
+import os
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from measure import Limits, Side
-from station.documents import (
-    CalibrationDocument,
-    MeasurementDocument,
-    RigDocument,
-    WheelDocument,
-)
-from station.errors import InputUnusable, StationError
-from station.exports import table_writer
-from station.pictures import RECORDING_SUFFIX
-from station.pipeline import (
-    FRAME_S,
-    Batch,
-    Cores,
-    RigGauge,
-    UnreadBatch,
-    WheelGauge,
-    all_cores,
-    distinct_names,
-    measured_on_rig,
-    measured_wheels,
-    recorded_batches,
-)
+from station.documents import CalibrationDocument, RigDocument
+from station.errors import StationError
+from station.pipeline import FRAME_S, all_cores
 from station.progress import Progress, silent
-from station.recording import info, parts_of, whole_recordings
-from station.replay.passes import Lookers, wheels_of_passes
-from station.replay.report import Refusal, ReplayReport
-from station.replay.spool import Spool
-from station.settings import MAX_SKEW_US
-from station.software import SOFTWARE
+from station.replay.cluster import local_workers, workers_at
+from station.replay.crew import Crew, Done, Failed, Here
+from station.replay.means import Means
+from station.replay.parts import Part, PartFolder
+from station.replay.planning import planned
+from station.replay.report import Refusal, ReplayForecast, ReplayReport
+from station.replay.target import Target
+from station.replay.task import ReplayTask
+from station.replay.work import Answer, Doing, Order, do_order
 
-Parts = Sequence[Path]
+_CLUSTER_START_S = 5.0
+"""What it takes workers of this machine to start, about."""
+
+Answers = Iterator[Done[ReplayTask, Answer] | Failed[ReplayTask]]
 
 
 def replay_recordings(
-    files: Sequence[Path],
+    sources: Sequence[str | Path],
     calibration: CalibrationDocument | Sequence[CalibrationDocument],
     out: Path,
     *,
@@ -48,214 +36,243 @@ def replay_recordings(
     limits: Limits | None = None,
     sides: Mapping[str, Side] | None = None,
     max_skew_us: Mapping[str, float] | None = None,
+    cluster: str | None = None,
+    workers: int | None = None,
     progress: Progress = silent,
 ) -> ReplayReport:
-    """Measure the wheels in recordings and write them to a table.
-
-    Of a recording that is damaged, or of a sensor without calibration, nothing is in the table,
-    and the others are measured all the same. What is in memory does not grow with the recordings.
+    """Measure the wheels in recordings and write them to a table, or to a folder of tables.
 
     Parameters
     ----------
-    files
-        Recordings of the calibration's sensor, or of several sensors with a calibration of each.
+    sources, out
+        As of a `Replay`.
     calibration
         With those of several sensors, the wheels of each pass stand axle for axle. Those of a rig's
         sensors are taken in place of what the rig rests on.
-    out
-        The table.
     rigs
         Sensors that are measured together.
-    reference, limits, progress
+    reference, limits
         As of a measurement.
     sides
         The side of the train that each of several sensors looks at.
     max_skew_us
         Greatest time between frames of one shot, of single rigs.
+    cluster, workers, progress
+        As of `Replay.run`.
 
     Raises
     ------
     InputUnusable
-        If a file is no recording by its name or given twice, two calibrations are of one sensor,
-        two rigs share one, or the table cannot be written.
+        If a source is no recording by its name or given twice, two calibrations are of one sensor,
+        two rigs share one, the table cannot be written, or the cluster cannot be used.
     """
-    write = table_writer(out)
-    given = [calibration] if isinstance(calibration, CalibrationDocument) else list(calibration)
-    lookers = _lookers(given, rigs, sides or {}, reference, limits)
-    refused: dict[str, str] = {}
-    work = _Work(_recordings(files, refused), lookers, max_skew_us or {}, refused, progress)
-    with Spool(out.parent) as spool:
-        with all_cores(alone_s=work.tally.total * FRAME_S) as cores:
-            for wheel in work.wheels(cores):
-                spool.add(wheel)
-        wheels = spool.wheels(without=refused)
-        write(out, _heading(given, rigs, lookers), work.tally.counted(wheels))
-    return ReplayReport(
-        out=out,
-        recordings=len(work.recordings.keys() - refused.keys()),
-        frames=work.tally.frames,
-        wheels=work.tally.wheels,
-        measured=work.tally.measured,
-        refused=tuple(Refusal(name, reason) for name, reason in refused.items()),
+    given = [calibration] if isinstance(calibration, CalibrationDocument) else calibration
+    means = Means.of(
+        given,
+        rigs=rigs,
+        reference=reference,
+        limits=limits,
+        sides=sides,
+        max_skew_us=max_skew_us,
     )
+    return Replay(sources, means, out).run(cluster=cluster, workers=workers, progress=progress)
 
 
-class _Work:
-    """What is to be measured, and with what; recordings it cannot use it adds to `refused`."""
+class Replay:
+    """Recordings to be measured, and where their wheels go.
 
-    def __init__(
+    Of a recording that is damaged, or of a sensor without calibration, nothing is in the table,
+    and the others are measured all the same. What is measured is kept at once: after a kill the
+    same replay goes on. What is in memory does not grow with the recordings.
+    """
+
+    def __init__(self, sources: Sequence[str | Path], means: Means, out: Path) -> None:
+        """Find the recordings.
+
+        Parameters
+        ----------
+        sources
+            Recordings of the means' sensors: files, folders, and URLs of both.
+        means
+            What to measure with.
+        out
+            The table (.json, .csv, .parquet); or a folder, which takes a Parquet table of each
+            recording, or pass. What is measured on the way to a table is in a folder beside it.
+
+        Raises
+        ------
+        InputUnusable
+            If a source, the reference or a rig cannot be used.
+        """
+        self._target, self._means = Target.of(out), means
+        self._lookers = means.lookers()
+        self._heading = means.heading(self._lookers)
+        self._unplanned: dict[str, str] = {}
+        self._tasks = planned(sources, means, self._unplanned, by_address=self._target.is_folder)
+
+    def forecast(self) -> ReplayForecast:
+        """Return what a run would do; nothing is written."""
+        parts = self._parts(make=False)
+        todo = [task for task in self._tasks if parts.of(task) is None]
+        return ReplayForecast(
+            out=self._target.out,
+            recordings=sum(len(task.recordings) for task in self._tasks),
+            tasks=len(self._tasks),
+            found_measured=len(self._tasks) - len(todo),
+            frames=sum(task.frames for task in todo),
+            refused=_refusals(self._unplanned),
+        )
+
+    def run(
         self,
-        recordings: Mapping[str, Parts],
-        lookers: Lookers,
-        max_skew_us: Mapping[str, float],
-        refused: MutableMapping[str, str],
-        progress: Progress,
-    ) -> None:
-        self.recordings = recordings
-        self._lookers, self._max_skew_us, self._refused = lookers, max_skew_us, refused
-        total = max(1, sum(_frames_in(parts) for parts in recordings.values()))
-        self.tally = _Tally(total, progress)
+        *,
+        cluster: str | None = None,
+        workers: int | None = None,
+        progress: Progress = silent,
+    ) -> ReplayReport:
+        """Measure what is not measured yet, and make the table.
 
-    def wheels(self, cores: Cores) -> Iterator[WheelDocument]:
-        """Yield the wheels: of one sensor in order, of several pass for pass."""
+        Parameters
+        ----------
+        cluster
+            Address of a Dask scheduler; its workers read the recordings at the same paths or URLs.
+        workers
+            Processes of this machine; as many as it has cores where not given, none where this
+            process is sooner done.
+        progress
+            Told how far it is.
 
-        def measured(chosen: Mapping[str, Parts], gauge: WheelGauge) -> Iterator[WheelDocument]:
-            return measured_wheels(
-                _batches(chosen, self._refused),
-                gauge,
-                cores,
-                unread=self._refuse,
-                frames_done=self.tally.series(),
-            )
+        Raises
+        ------
+        InputUnusable
+            If the table cannot be written, or the cluster cannot be used.
+        """
+        parts = self._parts(make=True)
+        todo = [task for task in self._tasks if parts.of(task) is None]
+        keeping = _Keeping(parts, _Tally(todo, progress))
+        if todo:
+            with self._answers(todo, cluster, workers, keeping.tally.reading) as answers:
+                keeping.keep(answers)
+        return self._report(keeping, parts, found=len(self._tasks) - len(todo))
 
-        def on_rig(chosen: Mapping[str, str], gauge: RigGauge) -> Iterator[WheelDocument]:
-            return measured_on_rig(
-                {
-                    sensor: _batches({name: self.recordings[name]}, self._refused)
-                    for sensor, name in chosen.items()
-                },
-                gauge,
-                cores,
-                max_skew_us=self._max_skew_us.get(gauge.rig_id, MAX_SKEW_US),
-                unread=self._refuse,
-                frames_done=self.tally.series(),
-            )
+    def _parts(self, *, make: bool) -> PartFolder:
+        target = self._target
+        return PartFolder(target.parts, target.form, self._means.fingerprint, make=make)
 
-        lookers = self._lookers
-        if len(lookers.gauges) == 1 and not lookers.rigs:
-            return measured(self.recordings, *lookers.gauges.values())
-        return wheels_of_passes(self.recordings, lookers, self._refused, measured, on_rig)
+    @contextmanager
+    def _answers(
+        self,
+        todo: Sequence[ReplayTask],
+        cluster: str | None,
+        workers: int | None,
+        reading: Callable[[int], None],
+    ) -> Generator[Answers]:
+        alone_s = sum(task.frames for task in todo) * FRAME_S
+        count = workers or len(os.sched_getaffinity(0))
+        if cluster is not None:
+            with workers_at(cluster) as crew:
+                yield self._ordered(crew, todo)
+        elif workers is not None or _sooner_elsewhere(alone_s, min(count, len(todo))):
+            with local_workers(min(count, len(todo))) as crew:
+                yield self._ordered(crew, todo)
+        else:
+            skews = dict(self._means.max_skew_us)
+            with all_cores(alone_s=alone_s) as cores:
+                doing = Doing(
+                    self._lookers, self._heading, self._target.form, skews, cores, reading
+                )
+                yield Here().each(doing.do, todo)
 
-    def _refuse(self, unread: UnreadBatch) -> None:
-        self._refused.setdefault(unread.source, str(unread.error))
+    def _ordered(self, crew: Crew, todo: Sequence[ReplayTask]) -> Answers:
+        packed = self._means.packed()
+        orders = (Order(task, packed, self._target.form) for task in todo)
+        for answer in crew.each(do_order, orders):
+            if isinstance(answer, Failed):
+                yield Failed(answer.task.task, answer.why)
+            else:
+                yield Done(answer.task.task, answer.result)
 
-
-def _lookers(
-    calibrations: Sequence[CalibrationDocument],
-    rigs: Sequence[RigDocument],
-    sides: Mapping[str, Side],
-    reference: str,
-    limits: Limits | None,
-) -> Lookers:
-    by_sensor = {one.sensor: one for one in calibrations}
-    if len(by_sensor) < len(calibrations):
-        raise InputUnusable("two calibrations of one sensor; give one of each sensor")
-    in_rigs = [name for rig in rigs for name in rig.names]
-    if len(set(in_rigs)) < len(in_rigs):
-        raise InputUnusable("two rigs have a sensor in common; give one rig of each sensor")
-    return Lookers(
-        gauges={
-            sensor: WheelGauge.of(one, reference, limits)
-            for sensor, one in by_sensor.items()
-            if sensor not in in_rigs
-        },
-        rigs={
-            rig.rig: RigGauge.of(
-                rig,
-                reference,
-                limits,
-                calibrations=[by_sensor[name] for name in rig.names if name in by_sensor],
-            )
-            for rig in rigs
-        },
-        sides={**sides, **{rig.rig: rig.side for rig in rigs}},
-    )
-
-
-def _heading(
-    calibrations: Sequence[CalibrationDocument], rigs: Sequence[RigDocument], lookers: Lookers
-) -> MeasurementDocument:
-    prints = {name: print_ for rig in rigs for name, print_ in rig.calibrations.items()}
-    prints |= {one.sensor: one.fingerprint for one in calibrations}
-    alone = len(prints) == 1
-    gauge = lookers.first
-    return MeasurementDocument(
-        created=datetime.now(UTC),
-        software=SOFTWARE,
-        calibration=next(iter(prints.values())) if alone else None,
-        calibrations={} if alone else prints,
-        rigs={rig.rig: rig.fingerprint for rig in rigs},
-        reference=gauge.reference.name,
-        regime=gauge.limits.regime,
-        wheels=(),
-    )
+    def _report(self, keeping: "_Keeping", parts: PartFolder, *, found: int) -> ReplayReport:
+        place = {
+            one.name: at
+            for at, one in enumerate(one for task in self._tasks for one in task.recordings)
+        }
+        late = sorted(keeping.refused.items(), key=lambda one: place[one[0]])
+        refused = self._unplanned | dict(late)
+        used = [part for task in self._tasks if (part := keeping.part_of(task)) is not None]
+        wheels, measured = self._target.join(self._heading, used)
+        if not (self._target.is_folder or refused):
+            parts.remove()
+        return ReplayReport(
+            out=self._target.out,
+            recordings=len(place.keys() - refused.keys()),
+            found_measured=found,
+            frames=keeping.tally.frames,
+            wheels=wheels,
+            measured=measured,
+            refused=_refusals(refused),
+        )
 
 
 class _Tally:
-    """Counts what is done, and tells how far it is."""
+    """Counts the frames that are read, and tells how far it is."""
 
-    def __init__(self, total: int, progress: Progress) -> None:
-        self.total, self._progress = total, progress
-        self.frames = self.wheels = self.measured = 0
+    def __init__(self, todo: Sequence[ReplayTask], progress: Progress) -> None:
+        self.frames = 0
+        self._total, self._done = max(1, sum(task.frames for task in todo)), 0
+        self._tasks, self._tasks_done = len(todo), 0
+        self._progress = progress
 
-    def series(self) -> Callable[[int], None]:
-        """Return what takes the count of frames of recordings that are measured next."""
-        before = self.frames
+    def reading(self, frames: int) -> None:
+        """Be told how many frames of a task have been read."""
+        done = min(1.0, (self._done + frames) / self._total)
+        self._progress(done, f"recording {self._tasks_done + 1} of {self._tasks}")
 
-        def frames_done(count: int) -> None:
-            self.frames = before + count
-            done = min(1.0, self.frames / self.total)
-            self._progress(done, f"frame {self.frames} of {self.total}")
-
-        return frames_done
-
-    def counted(self, wheels: Iterator[WheelDocument]) -> Iterator[WheelDocument]:
-        for wheel in wheels:
-            self.wheels += 1
-            self.measured += wheel.reason is None
-            yield wheel
+    def finished(self, task: ReplayTask, frames: int) -> None:
+        """Be told that a task has ended."""
+        self.frames += frames
+        self._done += task.frames
+        self._tasks_done += 1
+        done = min(1.0, self._done / self._total)
+        self._progress(done, f"{self._tasks_done} of {self._tasks} recordings")
 
 
-def _recordings(files: Sequence[Path], refused: MutableMapping[str, str]) -> dict[str, Parts]:
-    """Return the files of each recording by a name that tells it from the others."""
-    for file in files:
-        if file.suffix.lower() != RECORDING_SUFFIX:
-            raise InputUnusable(
-                f"{file}: not a recording (.mcap) by its name; `station measure` measures pictures"
-            )
-    names = dict(zip(files, distinct_names(files), strict=True))
-    sound = []
-    for file in files:
-        try:
-            _frames_in(parts_of(file))
-        except StationError as error:
-            refused[names[file]] = str(error)
-        else:
-            sound.append(file)
-    return {names[parts[0]]: parts for parts in whole_recordings(sound)}
+class _Keeping:
+    """Keeps what came of each task."""
+
+    def __init__(self, parts: PartFolder, tally: _Tally) -> None:
+        self.tally = tally
+        self.refused: dict[str, str] = {}
+        self._parts = parts
+        self._fresh: dict[ReplayTask, Part] = {}
+
+    def keep(self, answers: Answers) -> None:
+        """Keep the answers as they come."""
+        for one in answers:
+            if isinstance(one, Failed):
+                self._refuse(one.task, one.why)
+                self.tally.finished(one.task, 0)
+                continue
+            task, answer = one.task, one.result
+            self.refused |= {refusal.recording: refusal.reason for refusal in answer.refused}
+            if answer.held:
+                try:
+                    self._fresh[task] = self._parts.put(task.name, answer.held, answer.content)
+                except StationError as error:
+                    self._refuse(task, str(error))
+            self.tally.finished(task, answer.frames)
+
+    def part_of(self, task: ReplayTask) -> Part | None:
+        """Return the part with the wheels of a task, where there is one."""
+        return self._fresh.get(task) or self._parts.of(task)
+
+    def _refuse(self, task: ReplayTask, why: str) -> None:
+        self.refused |= dict.fromkeys((one.name for one in task.recordings), why)
 
 
-def _frames_in(parts: Parts) -> int:
-    return sum(sensor.frames for part in parts for sensor in info(part).sensors)
+def _sooner_elsewhere(alone_s: float, count: int) -> bool:
+    return count > 1 and alone_s > alone_s / count + _CLUSTER_START_S
 
 
-def _batches(recordings: Mapping[str, Parts], refused: MutableMapping[str, str]) -> Iterator[Batch]:
-    """Yield the frames of all recordings; of one that turns out to be damaged, no more."""
-    for name, parts in recordings.items():
-        try:
-            for batch in recorded_batches(parts, name):
-                if name in refused:
-                    break
-                yield batch
-        except StationError as error:
-            refused[name] = str(error)
+def _refusals(refused: Mapping[str, str]) -> tuple[Refusal, ...]:
+    return tuple(Refusal(name, reason) for name, reason in refused.items())

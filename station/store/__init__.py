@@ -14,6 +14,17 @@ from station.store.axles import (
     places_of,
     replace_axles,
 )
+from station.store.change_tables import Change, Push, StoreEpoch
+from station.store.changes import (
+    ChangeKind,
+    ChangesLeft,
+    begin_epoch,
+    changes_after,
+    changes_left,
+    knows_push,
+    note_push,
+    store_epoch,
+)
 from station.store.connecting import database_url
 from station.store.disposal import (
     disposable_recordings,
@@ -155,6 +166,7 @@ from station.store.tables import (
     RigActivation,
     RigCalibration,
     Table,
+    UtcDateTime,
 )
 from station.store.touched import tables_read
 from station.store.watched import (
@@ -194,6 +206,9 @@ __all__ = [
     "CalibrationState",
     "Call",
     "Caller",
+    "Change",
+    "ChangeKind",
+    "ChangesLeft",
     "Cursor",
     "EarlyReading",
     "EndedBy",
@@ -213,6 +228,7 @@ __all__ = [
     "Page",
     "Pass",
     "PassState",
+    "Push",
     "Recalibration",
     "RecalibrationState",
     "Recording",
@@ -229,8 +245,10 @@ __all__ = [
     "Span",
     "Standing",
     "Store",
+    "StoreEpoch",
     "Table",
     "Transitions",
+    "UtcDateTime",
     "WheelLevels",
     "WheelsSeen",
     "activate",
@@ -250,9 +268,12 @@ __all__ = [
     "audit_page",
     "axles_of",
     "begin_call",
+    "begin_epoch",
     "calibrations_page",
     "caller_logged_in",
     "caller_of",
+    "changes_after",
+    "changes_left",
     "counts_by_state",
     "database_bytes",
     "database_url",
@@ -281,6 +302,7 @@ __all__ = [
     "keep_answer",
     "keep_followed",
     "keys_of",
+    "knows_push",
     "last_decided",
     "last_measured_pass",
     "last_pass_recording",
@@ -295,6 +317,7 @@ __all__ = [
     "migrate",
     "note_followed",
     "note_measured",
+    "note_push",
     "note_use",
     "open_sessions",
     "pass_in_progress",
@@ -332,6 +355,7 @@ __all__ = [
     "settled_until",
     "sqlite_url",
     "start",
+    "store_epoch",
     "tables_read",
     "the",
     "unfinished_jobs",

@@ -169,4 +169,5 @@ def main(package, newer):
     print(json.dumps(seen))
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])

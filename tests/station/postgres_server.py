@@ -17,7 +17,7 @@ DO $$ DECLARE one record; BEGIN
   FOR one IN SELECT tablename FROM pg_tables WHERE schemaname = 'public' LOOP
     EXECUTE format('DROP TABLE %I CASCADE', one.tablename);
   END LOOP;
-  DROP FUNCTION IF EXISTS refuse_change_of_audit();
+  DROP FUNCTION IF EXISTS refuse_change_of_audit(), note_change_by_id(), note_change_by_pass_id();
 END $$
 """
 

@@ -40,8 +40,6 @@ class WheelNow:
     """Or the rig."""
     frame: int
     readings: Mapping[Quantity, Reading]
-    level: Alarm
-    """The gravest of its readings."""
     reason: str | None
     """Why it could not be measured."""
 
@@ -49,10 +47,8 @@ class WheelNow:
     def of(cls, row: Measurement) -> Self:
         """Return a wheel of the store."""
         found = readings_of(row)
-        raised = {reading.alarm for reading in found.values()}
-        level = next((each for each in _GRAVEST if each in raised), Alarm.UNKNOWN)
         readings = {quantity: found[quantity] for quantity in SHOWN}
-        return cls(row.id, row.sensor, row.frame, readings, level, row.wheel.get("reason"))
+        return cls(row.id, row.sensor, row.frame, readings, row.wheel.get("reason"))
 
 
 @dataclass(frozen=True, slots=True)

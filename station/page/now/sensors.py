@@ -65,11 +65,6 @@ class Counters:
             return cls(**{name: getattr(status, name) for name in cls.__slots__})
         return cls(**{name: status.totals.get(name, 0) for name in cls.__slots__})
 
-    @property
-    def missing(self) -> int:
-        """Frames that are in no recording and should be."""
-        return self.lost + self.refused
-
 
 @dataclass(frozen=True, slots=True)
 class SensorCard:

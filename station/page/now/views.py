@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime
 
 from station.api import Parts
 from station.operations import by_command
@@ -17,7 +16,6 @@ from station.store import Job, unfinished_jobs
 class NowView:
     """The station at one moment."""
 
-    at: datetime
     ready: bool
     """Whether the next train will be recorded and measured."""
     troubles: Sequence[TroubleNow]
@@ -44,7 +42,6 @@ def now_view(parts: Parts) -> NowView:
     with station.store.look() as session:
         sensors = sensor_cards(session, station.settings, outlook)
         return NowView(
-            at=station.now(),
             ready=outlook.ready,
             troubles=troubles_now(outlook.troubles),
             sensors=sensors,

@@ -15,6 +15,8 @@ _GRID_STEP_MM = 0.25
 _WIDEST_GAP_MM = 2.0
 """Between points that are farther apart the profile was not seen, and nothing is drawn."""
 _COVERAGE = 1.96
+_STEEPEST = 4.0
+"""Up the flange back a height says nothing: a hundredth of a millimetre aside is far up or down."""
 _SAME_TIME = timedelta(milliseconds=25)
 """A frame apart at 40 a second; the next wheel of a bogie comes 45 ms later at 40 m/s."""
 
@@ -119,20 +121,24 @@ def profiles_compared(before: JsonObject | None, after: JsonObject | None) -> di
     -------
     document
         `d_mm`, and with null where a profile was not seen: `before_mm`, `after_mm`,
-        `difference_um` (after minus before), `u95_um` of it, were the two independent.
+        `difference_um` (after minus before; nor where the profile is upright), `u95_um` of it, were the two independent.
     """
     given = [each for each in (before, after) if each is not None and len(each["d_mm"]) > 1]
     if not given:
         return None
     places = [d for each in given for d in (min(each["d_mm"]), max(each["d_mm"]))]
     d_mm = np.arange(math.ceil(min(places)), max(places), _GRID_STEP_MM)
+    if len(d_mm) < 2:
+        return None
     h = [_at(each, "h_mm", d_mm) for each in (before, after)]
+    steep = np.maximum(*(np.abs(np.gradient(each, _GRID_STEP_MM)) for each in h)) > _STEEPEST
+    difference_mm = np.where(steep, np.nan, h[1] - h[0])
     sigma = [_at(each, "sigma_mm", d_mm) for each in (before, after)]
     return {
         "d_mm": d_mm.tolist(),
         "before_mm": _told(h[0]),
         "after_mm": _told(h[1]),
-        "difference_um": _told(1000.0 * (h[1] - h[0])),
+        "difference_um": _told(1000.0 * difference_mm),
         "u95_um": _told(1000.0 * _COVERAGE * np.hypot(*sigma)),
     }
 

@@ -109,7 +109,7 @@ def _is_of(row: Replay, recording_id: str) -> bool:
 def _measured_before(
     session: Session, recording: Recording, after: list[Measurement]
 ) -> list[Measurement]:
-    """Return what a replay is compared with: the recording's own readings, else those of its rig."""
+    """Return what a replay is compared with: the recording's own readings, else its rig's."""
     known = {each.id for each in after}
     others = [each for each in measured_from(session, recording.id) if each.id not in known]
     return own_readings(recording, others) or list(measured_together_with(session, recording))

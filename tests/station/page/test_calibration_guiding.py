@@ -17,7 +17,7 @@ from calib import Target, View
 from station.documents import CalibrationDocument
 from station.errors import RecordingUnreadable
 from station.guiding import Demands, Guide, GuideLost, SessionSoFar, SessionWatch
-from station.guiding.enough import Demand
+from station.guiding.enough import Criterion, Demand
 from station.guiding.guidance import guidance_of
 from station.settings import ExposureSettings
 from station.store import Calibration, Recording, Store
@@ -210,3 +210,12 @@ def test_criteria_that_cannot_be_told_are_not_met():
     assert poses.met
     assert not covered.met
     assert not any(each.met for each in rest)
+
+
+@pytest.mark.parametrize(
+    ("at_least", "value", "met"),
+    [(True, 5.0, False), (True, 6.0, True), (True, 7.0, True)]
+    + [(False, 5.0, True), (False, 6.0, True), (False, 7.0, False), (False, None, False)],
+)
+def test_a_criterion_is_met_on_its_side_of_the_limit(at_least, value, met):
+    assert Criterion(Demand.POSES, value, 6.0, at_least).met is met

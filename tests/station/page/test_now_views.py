@@ -44,7 +44,7 @@ def test_a_sensor_is_said_to_do_what_its_capture_process_does(told, doing):
 def test_counters_are_of_the_recording_while_there_is_one_and_of_all_so_far_otherwise():
     totals = {"recorded": 90, "lost": 5, "refused": 1, "repeated": 0, "resent_packets": 7}
     running = Counters.of(status(recorded=4, lost=1, refused=2, totals=totals))
-    assert (running.recorded, running.missing) == (4, 3)
+    assert (running.recorded, running.lost, running.refused) == (4, 1, 2)
     idle = Counters.of(status(CaptureState.IDLE, totals=totals))
     assert (idle.recorded, idle.lost, idle.resent_packets) == (90, 5, 7)
 
@@ -103,13 +103,13 @@ def test_what_a_sensor_had_of_a_pass_is_told_by_its_recording_once_that_is_close
     assert SensorCount.of(row, status(recorded=99)) == SensorCount("left", None, 7, 3, None)
 
 
-def test_a_wheel_is_as_grave_as_the_gravest_of_its_readings():
-    wheel = {"tread_wear": READING, "flange_height": {**READING, "alarm": "none"}}
+def test_a_wheel_is_shown_by_what_is_read_first_or_by_why_nothing_could_be_read():
+    wheel = {"tread_wear": READING, "hollow_depth": READING}
     found = WheelNow.of(Measurement(id=1, sensor="left", frame=2, wheel=wheel))
-    assert found.level is Alarm.ALARM
     assert tuple(found.readings) == SHOWN
+    assert found.readings[Quantity.TREAD_WEAR].alarm is Alarm.ALARM
+    assert found.readings[Quantity.FLANGE_HEIGHT].value is None
     nothing = Measurement(id=2, sensor="left", frame=3, wheel={"reason": "too dark"})
-    assert WheelNow.of(nothing).level is Alarm.UNKNOWN
     assert WheelNow.of(nothing).reason == "too dark"
 
 

@@ -2,7 +2,6 @@
 
 import html
 import re
-from urllib.parse import parse_qs, urlsplit
 
 import httpx
 import pytest
@@ -182,15 +181,3 @@ def test_a_trend_has_the_passes_of_the_wheelset(reader):
 @pytest.mark.parametrize("address", ["/passes/nobody", "/wheels/999999", "/wheels/999999/source"])
 def test_what_is_not_there_is_said(reader, address):
     assert "the station knows no such one" in shown(reader, address, 404)
-
-
-def test_older_passes_are_at_the_address_of_the_page_before(reader, monkeypatch):
-    monkeypatch.setattr("station.page.passes.list_view._ROWS", 3)
-    address, seen = "/passes?id=rb17", []
-    while address is not None:
-        text = shown(reader, address)
-        seen += listed(text)
-        older = re.search(r'href="([^"]+)">Older passes', text)
-        address = None if older is None else html.unescape(older[1])
-        assert address is None or parse_qs(urlsplit(address).query)["id"] == ["rb17"]
-    assert seen == list(reversed(PASSES))

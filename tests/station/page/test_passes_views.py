@@ -2,14 +2,17 @@
 
 import re
 from datetime import UTC, date, datetime, timedelta
+from urllib.parse import parse_qsl, urlsplit
 from zoneinfo import ZoneInfo
 
 import numpy as np
 import pytest
+from newest_schema import make_store
 from profile_files import S1002, miniprof_file
 
 from measure import Alarm, Limit, Limits, Quantity, Rate, Side, Status
 from station.errors import InputUnusable, NotFound
+from station.page.passes.list_view import pass_list
 from station.page.passes.marks import Mark, mark_of
 from station.page.passes.paths import path_of
 from station.page.passes.profile_drawing import profile_drawing, reference_named
@@ -17,7 +20,7 @@ from station.page.passes.search import Search
 from station.page.passes.trend_view import Trended
 from station.page.texts import Texts
 from station.pipeline import gauge_files
-from station.store import Span
+from station.store import Pass, PassState, Span, Store, sqlite_url
 from station.trains import QuantityTrend, SideTrend, TrendValue, WheelsetTrend
 
 BERLIN = ZoneInfo("Europe/Berlin")
@@ -185,3 +188,25 @@ def test_other_calibrations_and_jumps_are_marked_where_they_came():
         (third, "Left: other calibration"),
         (third, "Left: jump"),
     ]
+
+
+def test_older_passes_are_at_the_address_of_the_page_before(tmp_path):
+    url = sqlite_url(tmp_path / "station.sqlite")
+    make_store(url)
+    store = Store.open(url)
+    names = [f"p{number}" for number in range(101)]
+    with store.change() as session:
+        for number, name in enumerate(names):
+            at = NOON + timedelta(minutes=number)
+            session.add(Pass(id=name, state=PassState.FAILED, opened_at=at))
+    search, seen, pages = Search.model_validate({"id": "p"}), [], 0
+    with store.look() as session:
+        while search is not None:
+            found = pass_list(session, search, None)
+            seen += [row.id for row in found.rows]
+            pages += 1
+            asked = None if found.older is None else dict(parse_qsl(urlsplit(found.older).query))
+            search = None if asked is None else Search.model_validate(asked)
+    store.close()
+    assert seen == names[::-1]
+    assert pages == 3

@@ -157,6 +157,18 @@ def test_what_one_reading_lacks_is_neither_agreed_nor_different():
     assert (row.by, row.u95, row.agrees) == (None, None, None)
 
 
+def test_heights_are_not_compared_where_the_profile_is_upright():
+    heights = {"d_mm": [0.0, 1.0, 2.0, 3.0, 4.0], "h_mm": [-30.0, 0.0, 0.5, 1.0, 1.5]}
+    moved = {**heights, "h_mm": [-29.0, 0.1, 0.6, 1.1, 1.6]}
+    for each in (heights, moved):
+        each["sigma_mm"] = [0.03] * 5
+    told = profiles_compared(heights, moved)
+    found = dict(zip(told["d_mm"], told["difference_um"], strict=True))
+    assert (found[0.5], found[3.0]) == (None, 100.0)
+    point = {"d_mm": [1.0, 1.1], "h_mm": [0.0, 0.0], "sigma_mm": [0.03, 0.03]}
+    assert profiles_compared(point, point) is None
+
+
 def test_profiles_are_compared_on_one_grid_and_not_across_what_was_not_seen():
     before = {"d_mm": [0.0, 1.0, 2.0, 9.0, 10.0], "h_mm": [0.0, 1.0, 2.0, 9.0, 10.0]}
     after = {"d_mm": [10.0, 8.0, 6.0, 4.0, 2.0, 0.0], "h_mm": [10.1, 8.1, 6.1, 4.1, 2.1, 0.1]}

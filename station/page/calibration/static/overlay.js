@@ -36,7 +36,7 @@ export class Overlay {
 
   points() {
     const unit = this.view.width / MARKS_ACROSS;
-    const layers = shape("g", { "stroke-width": 0.45 * unit });
+    const layers = shape("g", { "stroke-width": 0.55 * unit });
     for (const [points, size] of [[this.picture.stripe, 0.9], [this.picture.dots, 2]]) {
       layers.append(...marks(points, size * unit, this));
     }
@@ -105,7 +105,8 @@ function marks(points, size, { show, factor }) {
   return [...wanted.map((kind) => shape("path", { d: paths[kind].join(""), class: `mark-${kind}` })), ...rings];
 }
 
-function plus([u, v], size) {
+function plus([u, v], half) {
+  const size = 1.4 * half; // longer than the other cross, so that each is seen where both are
   return `M${u - size} ${v}h${2 * size}M${u} ${v - size}v${2 * size}`;
 }
 

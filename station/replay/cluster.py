@@ -1,0 +1,90 @@
+"""A Dask cluster of this machine's cores, or one that somebody else runs."""
+
+import logging
+import tempfile
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from station.errors import InputUnusable
+from station.replay.crew import Workers
+
+_PACKAGE = "treadline"
+_CONNECT_S, _START_S = 10, 120
+_MEMORY_BYTES = 1 << 30
+"""Of a worker: more than twice what one takes, and few enough for all cores of a small machine."""
+_LOCAL_CONFIG = {
+    # A recording that kills two workers is suspected, and is named when it kills two more.
+    "distributed.scheduler.allowed-failures": 1,
+    # Nobody reads these lines: a task of minutes that holds the interpreter is no fault here.
+    "distributed.admin.tick.limit": "1h",
+    "distributed.worker.preload": ["station.replay.worker_start"],
+    "distributed.comm.timeouts.connect": "30s",
+}
+
+
+@contextmanager
+def local_workers(count: int) -> Generator[Workers]:
+    """Give work to processes of this machine, a thread each, that end with the block and with this.
+
+    They listen on the loopback alone, without a dashboard.
+    """
+    import dask  # noqa: PLC0415  costs 0.5 s: only where it is used
+    from distributed import Client, LocalCluster  # noqa: PLC0415  see the line above
+
+    with (
+        tempfile.TemporaryDirectory(prefix="treadline-replay-") as scratch,
+        dask.config.set(_LOCAL_CONFIG),
+        LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=None,
+            memory_limit=_MEMORY_BYTES,
+            local_directory=scratch,
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        client.wait_for_workers(count, timeout=_START_S)
+        yield Workers(client)
+
+
+@contextmanager
+def workers_at(address: str) -> Generator[Workers]:
+    """Give work to the workers of a scheduler, which go on when the block ends.
+
+    Raises
+    ------
+    InputUnusable
+        If there is no scheduler at the address, it has no worker, or one has other software.
+    """
+    from distributed import Client  # noqa: PLC0415  costs 0.5 s: only where it is used
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        client = Client(address, timeout=_CONNECT_S, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputUnusable(
+            f"--cluster {address}: no Dask scheduler answers there; give the address that "
+            "`dask scheduler` prints, as tcp://HOST:8786"
+        ) from error
+    with client:
+        _ensure_same_software(address, client)
+        yield Workers(client)
+
+
+def _ensure_same_software(address: str, client: Any) -> None:
+    found: Mapping[str, Any] = client.run(version, _PACKAGE, on_error="return")
+    if not found:
+        raise InputUnusable(f"--cluster {address}: it has no worker; start some")
+    own = version(_PACKAGE)
+    for worker, told in sorted(found.items()):
+        if told != own:
+            runs = "no treadline" if isinstance(told, PackageNotFoundError) else f"treadline {told}"
+            raise InputUnusable(
+                f"--cluster {address}: worker {worker} has {runs}, this is treadline {own}; "
+                "install the same on all"
+            )
