@@ -100,7 +100,8 @@ def _refuse_refused(refused: Sequence[Refusal], others: int, what: str) -> None:
 def _forecast_text(forecast: ReplayForecast) -> str:
     return (
         f"{forecast.recordings} recordings in {forecast.tasks} tasks, {forecast.found_measured} "
-        f"of them done before; about {forecast.frames} frames to read{_refused_text(forecast.refused)}"
+        f"of them done before; about {forecast.frames} frames to read"
+        f"{_refused_text(forecast.refused)}"
     )
 
 

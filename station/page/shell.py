@@ -13,6 +13,7 @@ from jinja2 import Environment, PackageLoader, PrefixLoader, StrictUndefined
 from station.api import LoggedIn
 from station.page.assets import PAGES, Assets
 from station.page.formats import Times, bytes_of, lasting, quantity
+from station.page.going import REDIRECT
 from station.page.texts import LANGUAGE, Texts
 from station.settings import StationSettings
 from station.store import Caller, Scope
@@ -104,7 +105,7 @@ class Shell:
         changed
             An event on the page's body; the parts that wait for it are loaded anew.
         to
-            The page that is gone to.
+            The page that is gone to, where it is said.
         """
         events: dict[str, Any] = {"said": {"text": said}}
         if changed is not None:
@@ -112,7 +113,7 @@ class Shell:
         # ASCII: a header holds no other letter, and the page reads JSON.
         headers = {"HX-Trigger": json.dumps(events)}
         if to is not None:
-            headers["HX-Location"] = to
+            headers[REDIRECT] = to
         return Response(status_code=204, headers=headers)
 
 

@@ -41,7 +41,7 @@ def local_workers(count: int) -> Generator[Workers]:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # any free port: a second replay has its own
             memory_limit=_MEMORY_BYTES,
             local_directory=scratch,
             silence_logs=logging.CRITICAL,

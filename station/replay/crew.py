@@ -130,9 +130,10 @@ class Workers:
         gone_at = time.monotonic() + _NO_WORKER_S
         while True:
             try:
-                done: Iterable[Any] = wait(
-                    list(flying), timeout=_COUNT_EACH_S, return_when="FIRST_COMPLETED"
-                ).done
+                with self._client.as_current():
+                    done: Iterable[Any] = wait(
+                        list(flying), timeout=_COUNT_EACH_S, return_when="FIRST_COMPLETED"
+                    ).done
             except TimeoutError:
                 if self._threads_now():
                     gone_at = time.monotonic() + _NO_WORKER_S

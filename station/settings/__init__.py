@@ -2,6 +2,7 @@
 
 from station.settings.controller import ControllerSettings
 from station.settings.credentials import CREDENTIALS, credential
+from station.settings.fleet import FleetSettings
 from station.settings.limits import LimitSettings, LimitsSettings, RangeSettings
 from station.settings.load import load_settings
 from station.settings.measuring import MeasuringSettings
@@ -34,6 +35,7 @@ __all__ = [
     "CaptureSettings",
     "ControllerSettings",
     "ExposureSettings",
+    "FleetSettings",
     "GateSettings",
     "LimitSettings",
     "LimitsSettings",

@@ -11,7 +11,7 @@ from typing import Final
 
 from station.errors import InputUnusable
 
-CREDENTIALS: Final = ("store_url", "admin_key", "key")
+CREDENTIALS: Final = ("store_url", "fleet_url", "admin_key", "key")
 """What may be given so; each also as STATION_STORE_URL and so on in the environment, which wins."""
 _FOLDER: Final = "CREDENTIALS_DIRECTORY"
 _PREFIX: Final = "station_"

@@ -19,7 +19,8 @@ from station.settings.station import StationSettings
 def load_settings(path: Path) -> StationSettings:
     """Read the settings from a TOML file; variables ``STATION_NAME`` of the environment win.
 
-    The URL of the store, which may hold a password, may also come as a credential of the service.
+    The URLs of the store and the fleet, which may hold passwords, may also come as credentials of
+    the service.
 
     Relative paths in it (data, reference, certificate, key) count from the folder of the file.
 
@@ -66,6 +67,9 @@ def load_settings(path: Path) -> StationSettings:
     }
     if reference.is_file():
         beside["reference"] = str(reference.resolve())
+    if found.fleet is not None:
+        url = credential("fleet_url") or found.fleet.url
+        beside["fleet"] = found.fleet.model_copy(update={"url": url})
     if found.tls is not None:
         beside["tls"] = found.tls.beside(path.parent)
     return found.model_copy(update=beside).read_from(path.resolve())

@@ -8,6 +8,7 @@ from zoneinfo import ZoneInfo
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from station.settings.controller import ControllerSettings
+from station.settings.fleet import FleetSettings
 from station.settings.limits import LimitsSettings
 from station.settings.measuring import MeasuringSettings
 from station.settings.recalibration import RecalibrationSettings
@@ -63,6 +64,9 @@ class StationSettings(Section):
     """Which of them look at the same wheel; a sensor in none is measured by itself."""
     track: TrackSettings | None = None
     """How left and right stand to each other; absent: no axle has a back-to-back distance."""
+    fleet: FleetSettings | None = None
+    """The fleet's database, which many stations send what they know to; absent: this one stands
+    alone."""
     _file: Path | None = PrivateAttr(default=None)
 
     @property

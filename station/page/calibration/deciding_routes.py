@@ -12,7 +12,7 @@ from station.operations import (
     refuse_calibration,
     refuse_rig_calibration,
 )
-from station.page.calibration.going import go_to
+from station.page.going import go_to
 from station.page.shell import ShellOf
 from station.store import Calibration, Recalibration, RigCalibration, the
 

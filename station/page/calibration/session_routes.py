@@ -15,9 +15,9 @@ from station.operations import (
     order_calibration,
     order_rig_calibration,
 )
-from station.page.calibration.going import go_to
 from station.page.calibration.opening import TargetForm, order_of
 from station.page.calibration.session import guidance_told, session_shown
+from station.page.going import go_to
 from station.page.shell import ShellOf
 
 router = APIRouter(prefix="/calibration/sessions")

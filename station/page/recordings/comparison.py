@@ -121,7 +121,8 @@ def profiles_compared(before: JsonObject | None, after: JsonObject | None) -> di
     -------
     document
         `d_mm`, and with null where a profile was not seen: `before_mm`, `after_mm`,
-        `difference_um` (after minus before; nor where the profile is upright), `u95_um` of it, were the two independent.
+        `difference_um` (after minus before; null, too, where the profile is upright), `u95_um` of
+        it, were the two independent.
     """
     given = [each for each in (before, after) if each is not None and len(each["d_mm"]) > 1]
     if not given:

@@ -1,7 +1,7 @@
 // What every page does: vouch for its calls, say what came of them, and tick.
 import { beginTicking } from "./ticking.js";
 import { beginToggles } from "./toggles.js";
-import { say } from "./saying.js";
+import { say, sayAgain, sayDone } from "./saying.js";
 
 const csrfToken = document.querySelector('meta[name="csrf-token"]').content;
 
@@ -9,7 +9,7 @@ document.body.addEventListener("htmx:configRequest", (event) => {
   event.detail.headers["X-CSRF-Token"] = csrfToken;
 });
 
-document.body.addEventListener("said", (event) => say(event.detail.text, "good"));
+document.body.addEventListener("said", (event) => sayDone(event.detail.text));
 
 // Of parts that are asked for again and again only the first failure is said.
 let unreachable = false;
@@ -33,3 +33,4 @@ function problemIn(call) {
 
 beginToggles();
 beginTicking();
+sayAgain();

@@ -7,6 +7,7 @@ import json
 import re
 import time
 from dataclasses import dataclass, replace
+from importlib.resources import files
 
 import pytest
 from paged_station import SENSORS, CameraDouble, Paged
@@ -184,6 +185,13 @@ def test_every_part_that_is_loaded_anew_has_its_place_on_the_page(reader):
     assert len(parts) == 5 + 3 * 2
     assert [each for each in parts if f'id="{each}"' not in page] == []
     assert "hx-swap-oob" not in page
+
+
+def test_all_scripts_of_the_page_are_asked_for_at_once(reader):
+    folder = files("station.page.now") / "static"
+    scripts = {each.name for each in folder.iterdir() if each.name.endswith(".js")}
+    asked = re.findall(r'(?:src|href)="/static/\w+/now/(\w+\.js)"', reader.get("/now").text)
+    assert sorted(asked) == sorted(scripts)
 
 
 def test_no_part_that_is_loaded_anew_holds_the_token_of_a_browser(operator):

@@ -154,7 +154,7 @@ def test_measuring_again_is_ordered_and_leads_to_what_comes_of_it(filled):
         form = {"calibration": "c1", "reference": "LMA"}
         reply = browser.post("/recordings/own/replays", data=form)
         assert reply.status_code == 204
-        address = reply.headers["HX-Location"]
+        address = reply.headers["HX-Redirect"]
         with filled.store.look() as session:
             row = the(session, Replay, address.rpartition("/")[2])
         assert (row.steps, row.calibrations) == ({"steps": [["own"]]}, {"left": "c1"})
@@ -188,7 +188,7 @@ def test_an_uploaded_recording_is_deleted_and_the_stations_own_is_not(filled):
         assert refused.status_code == 409
         assert "it makes way by" in refused.text
         reply = browser.post("/recordings/upload.1/delete")
-        assert (reply.status_code, reply.headers["HX-Location"]) == (204, "/recordings")
+        assert (reply.status_code, reply.headers["HX-Redirect"]) == (204, "/recordings")
         gone = browser.get("/recordings/upload.1").text
     assert "deleted by" in gone
     assert "Its files are not on the disk any more" in gone

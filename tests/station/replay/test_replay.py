@@ -166,7 +166,7 @@ def test_command_tells_by_its_exit_code_whether_all_is_in_the_table(
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"files": [Path("picture.png")]}, "not a recording"),
+        ({"sources": [Path("picture.png")]}, "not a recording"),
         ({"out": Path("results.xlsx")}, r"allowed: a name that ends in \.json, \.csv, \.parquet"),
         ({"out": Path("nowhere/at/all.csv")}, "cannot be written"),
         ({"reference": "S1003"}, "S1002, LMA"),
@@ -174,7 +174,7 @@ def test_command_tells_by_its_exit_code_whether_all_is_in_the_table(
     ids=["a picture", "kind of table", "no folder", "reference"],
 )
 def test_what_cannot_be_used_is_refused_before_any_work(passes, tmp_path, given, message):
-    usual = {"files": passes, "calibration": CALIBRATION, "out": tmp_path / "r.csv"}
+    usual = {"sources": passes, "calibration": CALIBRATION, "out": tmp_path / "r.csv"}
     with pytest.raises(InputUnusable, match=message):
         replay_recordings(**{**usual, **given})
     assert not list(tmp_path.iterdir())

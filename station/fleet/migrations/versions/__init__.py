@@ -1,0 +1,1 @@
+"""The steps of the fleet's schema, one a file, oldest first by name."""

@@ -1,0 +1,117 @@
+"""Tasks are done once each, whoever dies meanwhile; one that kills its workers is named."""
+
+import os
+import signal
+
+import crew_tasks
+import pytest
+
+import station.replay.cluster as replay_cluster
+from station.errors import InputUnusable
+from station.replay.cluster import local_workers, workers_at
+from station.replay.crew import Done, Failed, Here
+from station.replay.work import OtherSoftware
+
+
+@pytest.fixture(scope="module")
+def workers():
+    with local_workers(2) as crew:
+        yield crew
+
+
+@pytest.fixture(params=["here", "workers"])
+def crew(request):
+    return Here() if request.param == "here" else request.getfixturevalue("workers")
+
+
+def results(answers):
+    return sorted((one.task, one.result) for one in answers if isinstance(one, Done))
+
+
+def test_every_task_is_answered_once(crew):
+    answers = list(crew.each(crew_tasks.double, range(50)))
+    assert len(answers) == 50
+    assert results(answers) == [(n, 2 * n) for n in range(50)]
+
+
+def test_a_task_that_fails_is_named_in_one_line_and_the_others_are_done(crew):
+    answers = list(crew.each(crew_tasks.fail_of_three, range(6)))
+    assert len(results(answers)) == 5
+    (failed,) = (one for one in answers if isinstance(one, Failed))
+    assert (failed.task, failed.why) == (3, "ZeroDivisionError: three is too much")
+
+
+def test_a_worker_of_another_version_ends_the_work_at_once(crew):
+    with pytest.raises(OtherSoftware, match="treadline 0"):
+        list(crew.each(crew_tasks.refuse, range(100)))
+
+
+def test_tasks_are_taken_a_few_ahead_of_the_answers(workers):
+    taken = []
+
+    def tasks():
+        for number in range(1000):
+            taken.append(number)
+            yield number
+
+    answers = workers.each(crew_tasks.double, tasks())
+    next(answers)
+    assert len(taken) <= 8  # twice the threads, and as many as were done in the meantime
+    answers.close()
+
+
+def test_what_a_killed_worker_had_is_done_by_another_and_nothing_is_answered_twice(
+    workers, tmp_path
+):
+    tasks = [(str(tmp_path), number) for number in range(8)]
+    answers = list(workers.each(crew_tasks.die_once, tasks))
+    assert (tmp_path / "died").exists()
+    assert [(task[1], result) for task, result in results(answers)] == [
+        (number, 2 * number) for number in range(8)
+    ]
+    assert len(answers) == 8
+
+
+def test_a_task_that_kills_every_worker_is_named_and_those_beside_it_are_done(workers):
+    answers = list(workers.each(crew_tasks.die_of_three, range(8)))
+    assert results(answers) == [(n, 2 * n) for n in range(8) if n != 3]
+    (failed,) = (one for one in answers if isinstance(one, Failed))
+    assert failed.task == 3
+    assert "2 workers died of it" in failed.why
+
+
+def test_workers_outlive_no_replay(workers):
+    with local_workers(1) as crew:
+        (pid,) = crew._client.run(os.getpid).values()
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+def test_workers_listen_on_the_loopback_alone(workers):
+    addresses = [*workers._client.nthreads(), workers._client.scheduler.address]
+    assert all(address.startswith("tcp://127.0.0.1:") for address in addresses)
+
+
+def test_workers_leave_an_interrupt_of_the_terminal_to_the_one_that_replays(workers):
+    for pid in workers._client.run(os.getpid).values():
+        os.kill(pid, signal.SIGINT)
+    assert results(workers.each(crew_tasks.double, range(4))) == [(n, 2 * n) for n in range(4)]
+
+
+@pytest.mark.parametrize("address", ["tcp://127.61.0.1:9", "carrier-pigeon://home"])
+def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch, address):
+    monkeypatch.setattr(replay_cluster, "_CONNECT_S", 1)
+    with pytest.raises(InputUnusable, match="no Dask scheduler answers there") as refused:
+        with workers_at(address):
+            pass
+    assert "\n" not in str(refused.value)
+
+
+def test_workers_of_another_version_are_refused_before_any_work(monkeypatch, workers):
+    address = workers._client.scheduler.address
+    with workers_at(address) as crew:
+        assert results(crew.each(crew_tasks.double, range(2))) == [(0, 0), (1, 2)]
+    monkeypatch.setattr(replay_cluster, "version", lambda _name: "9.9")
+    with pytest.raises(InputUnusable, match=r"has treadline .*, this is treadline 9\.9"):
+        with workers_at(address):
+            pass
