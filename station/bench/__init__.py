@@ -20,6 +20,7 @@ from station.bench.paper import bench_paper
 from station.bench.piece import bench_piece
 from station.bench.piece_u95 import bench_piece_u95
 from station.bench.pose_sets import bench_pose_sets
+from station.bench.replay_many import bench_replay_many
 from station.bench.rig_calibration import bench_rig_calibration
 from station.bench.rig_intervals import bench_rig_intervals
 from station.bench.rig_times import bench_rig_times
@@ -58,6 +59,7 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
     "paper": (bench_paper,),
     "piece": (bench_piece, bench_piece_u95),
     "deviations": (bench_deviations,),
+    "replay": (bench_replay_many,),
     "rig": (bench_rig_wheels, bench_rig_intervals, bench_rig_times),
     "rig-calibration": (bench_rig_calibration,),
     "calibration": (bench_sweeps, bench_pose_sets, bench_solving, bench_solvers),
@@ -84,6 +86,7 @@ __all__ = [
     "bench_piece_u95",
     "bench_pose_sets",
     "bench_profiles",
+    "bench_replay_many",
     "bench_rig_calibration",
     "bench_rig_intervals",
     "bench_rig_times",

@@ -1,24 +1,53 @@
 """Many stations, one database: each sends what it knows, and the fleet shows it side by side."""
 
+from station.fleet.agreement import Agreement, StationOffset, StationValue, station_agreement
 from station.fleet.connecting import Fleet, ensure_given
 from station.fleet.following import Follower
 from station.fleet.migrating import EMPTY, ensure_ready, fleet_revision, migrate_fleet
 from station.fleet.note import FleetNote, read_note
+from station.fleet.overview import (
+    SensorHealth,
+    StationState,
+    sensor_healths,
+    station_states,
+)
 from station.fleet.process import follow_fleet, run_fleet
 from station.fleet.pushing import Pushed, Pusher
+from station.fleet.trends import (
+    MOST_PASSES,
+    FleetQuantity,
+    FleetSide,
+    FleetTrend,
+    FleetValue,
+    fleet_trend,
+)
 
 __all__ = [
     "EMPTY",
+    "MOST_PASSES",
+    "Agreement",
     "Fleet",
     "FleetNote",
+    "FleetQuantity",
+    "FleetSide",
+    "FleetTrend",
+    "FleetValue",
     "Follower",
     "Pushed",
     "Pusher",
+    "SensorHealth",
+    "StationOffset",
+    "StationState",
+    "StationValue",
     "ensure_given",
     "ensure_ready",
     "fleet_revision",
+    "fleet_trend",
     "follow_fleet",
     "migrate_fleet",
     "read_note",
     "run_fleet",
+    "sensor_healths",
+    "station_agreement",
+    "station_states",
 ]

@@ -12,11 +12,11 @@ from datetime import datetime
 from typing import Protocol
 
 import structlog
-from sqlalchemy.exc import DBAPIError, StatementError
+from sqlalchemy.exc import DBAPIError, IntegrityError, StatementError
 
 from station.fleet.connecting import Fleet
 from station.fleet.packing import Packed, pack
-from station.fleet.receiving import Batch, Mark, Sender, hear, refuse, take
+from station.fleet.receiving import Batch, Mark, MarkMoved, Sender, hear, refuse, take
 from station.software import SOFTWARE
 from station.store import (
     ChangesLeft,
@@ -106,11 +106,13 @@ class Pusher:
 
     def _meet(self) -> tuple[Sender, Mark]:
         """Return who sends and from where on; in a new epoch where the store was brought back."""
-        sender = self._sender(anew=False)
+        with self._store.look() as session:
+            epoch = store_epoch(session)
+        sender = self._sender(epoch or self._begin(after=None))
         mark = self._hear(sender)
         if not self._sent(mark):
             told = sender.store_epoch
-            sender = self._sender(anew=True)
+            sender = self._sender(self._begin(after=told))
             _log.warning(
                 "store brought back from a backup: all of it is sent once more, in a new epoch",
                 station=self._station,
@@ -120,17 +122,22 @@ class Pusher:
             mark = self._hear(sender)
         return sender, mark
 
-    def _sender(self, *, anew: bool) -> Sender:
-        with self._store.look() as session:
-            epoch = store_epoch(session)
-        if epoch is None or anew:
-            with self._store.change() as session:
-                epoch = begin_epoch(session, at=self._now())
+    def _sender(self, epoch: str) -> Sender:
         return Sender(self._station, self._name, SOFTWARE, epoch)
 
+    def _begin(self, *, after: str | None) -> str:
+        with self._store.change() as session:
+            return begin_epoch(session, after=after, at=self._now())
+
     def _hear(self, sender: Sender) -> Mark:
-        with self._fleet.change() as session:
-            mark = hear(session, sender, None, self._now())
+        try:
+            with self._fleet.change() as session:
+                mark = hear(session, sender, None, self._now())
+        except IntegrityError as error:
+            raise MarkMoved(
+                f"station {sender.station!r}: another process made itself known under this name "
+                "at the same moment"
+            ) from error
         left = self._left(mark.number)
         with self._fleet.change() as session:
             return hear(session, sender, left, self._now())

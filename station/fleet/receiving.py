@@ -75,7 +75,7 @@ def hear(session: Session, sender: Sender, left: ChangesLeft | None, at: datetim
     at
         By the station's clock.
     """
-    now = _fleet_now(session)
+    now = fleet_now(session)
     _note_station(session, sender, left, at, now)
     found = session.scalar(
         select(FleetEpoch)
@@ -126,7 +126,7 @@ def refuse(
                 key=packed.key,
                 number=packed.number,
                 why=why,
-                refused_at=_fleet_now(session),
+                refused_at=fleet_now(session),
             )
         )
     return _moved(mark, batch)
@@ -136,7 +136,7 @@ def _moved(mark: Mark, batch: Batch) -> Mark:
     return Mark(mark.epoch, batch.number, batch.token)
 
 
-def _fleet_now(session: Session) -> datetime:
+def fleet_now(session: Session) -> datetime:
     """Return the moment by the clock of the database; a station's own may be wrong."""
     on_sqlite = session.get_bind().dialect.name == "sqlite"
     clock = func.strftime("%Y-%m-%d %H:%M:%f", "now") if on_sqlite else func.clock_timestamp()
@@ -173,7 +173,7 @@ def _begin(session: Session, sender: Sender, now: datetime) -> FleetEpoch:
 
 def _ensure_mark(session: Session, sender: Sender, mark: Mark, batch: Batch, at: datetime) -> None:
     """Move the mark on, if it is where the station saw it; the rows follow in its transaction."""
-    now = _fleet_now(session)
+    now = fleet_now(session)
     moved = session.execute(
         update(FleetEpoch)
         .where(FleetEpoch.station == sender.station)

@@ -9,6 +9,7 @@ from typing import Any
 
 from station.errors import InputUnusable
 from station.replay.crew import Workers
+from station.software import SOFTWARE
 
 _PACKAGE = "treadline"
 _CONNECT_S, _START_S = 10, 120
@@ -49,7 +50,12 @@ def local_workers(count: int) -> Generator[Workers]:
         Client(cluster, set_as_default=False) as client,
     ):
         client.wait_for_workers(count, timeout=_START_S)
-        yield Workers(client)
+
+        def refill() -> None:
+            # Dask starts a worker that died, but not one that died while it was starting.
+            cluster.scale(count)
+
+        yield Workers(client, refill)
 
 
 @contextmanager
@@ -80,11 +86,10 @@ def _ensure_same_software(address: str, client: Any) -> None:
     found: Mapping[str, Any] = client.run(version, _PACKAGE, on_error="return")
     if not found:
         raise InputUnusable(f"--cluster {address}: it has no worker; start some")
-    own = version(_PACKAGE)
     for worker, told in sorted(found.items()):
-        if told != own:
-            runs = "no treadline" if isinstance(told, PackageNotFoundError) else f"treadline {told}"
+        runs = f"no {_PACKAGE}" if isinstance(told, PackageNotFoundError) else f"{_PACKAGE} {told}"
+        if runs != SOFTWARE:
             raise InputUnusable(
-                f"--cluster {address}: worker {worker} has {runs}, this is treadline {own}; "
+                f"--cluster {address}: worker {worker} has {runs}, this is {SOFTWARE}; "
                 "install the same on all"
             )

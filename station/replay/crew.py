@@ -77,8 +77,9 @@ class Workers:
     kills once more is named.
     """
 
-    def __init__(self, client: Any) -> None:
-        self._client = client
+    def __init__(self, client: Any, refill: Callable[[], None] = lambda: None) -> None:
+        """Take a client, and what starts workers where some are gone for good."""
+        self._client, self._refill = client, refill
         self._threads, self._counted = 0, float("-inf")
 
     def each(
@@ -151,6 +152,7 @@ class Workers:
                 return done
 
     def _threads_now(self) -> int:
+        self._refill()
         try:
             return sum(self._client.nthreads().values())
         except OSError:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from station.errors import InputUnusable
+from station.errors import InputUnusable, StateConflict
 from station.replay.forms import Form
 from station.replay.task import ReplayTask, Token
 
@@ -66,8 +66,10 @@ class PartFolder:
 
         Raises
         ------
+        StateConflict
+            If a part holds some of the recordings and others beside.
         InputUnusable
-            If a part holds some of the recordings and others beside, or the disk takes no more.
+            If the disk takes no more.
         """
         held = frozenset(tokens)
         part = Part(self.folder / self._name(name, held), held)
@@ -78,7 +80,7 @@ class PartFolder:
         }
         for known in before.values():
             if not known.addresses <= part.addresses:
-                raise InputUnusable(
+                raise StateConflict(
                     f"{known.path.name} holds an older reading of it together with other sensors' "
                     "recordings; replay all recordings of the pass, or remove that part"
                 )

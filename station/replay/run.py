@@ -1,29 +1,27 @@
 """Measuring recordings again: the same steps as a pass's, on as many cores as there are."""
 
 import os
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from measure import Limits, Side
 from station.documents import CalibrationDocument, RigDocument
-from station.errors import StationError
 from station.pipeline import FRAME_S, all_cores
 from station.progress import Progress, silent
 from station.replay.cluster import local_workers, workers_at
 from station.replay.crew import Crew, Done, Failed, Here
+from station.replay.keeping import Answers, Keeping, Tally
 from station.replay.means import Means
-from station.replay.parts import Part, PartFolder
+from station.replay.parts import PartFolder
 from station.replay.planning import planned
 from station.replay.report import Refusal, ReplayForecast, ReplayReport
 from station.replay.target import Target
 from station.replay.task import ReplayTask
-from station.replay.work import Answer, Doing, Order, do_order
+from station.replay.work import Doing, Order, do_order
 
 _CLUSTER_START_S = 5.0
 """What it takes workers of this machine to start, about."""
-
-Answers = Iterator[Done[ReplayTask, Answer] | Failed[ReplayTask]]
 
 
 def replay_recordings(
@@ -113,7 +111,7 @@ class Replay:
     def forecast(self) -> ReplayForecast:
         """Return what a run would do; nothing is written."""
         parts = self._parts(make=False)
-        todo = [task for task in self._tasks if parts.of(task) is None]
+        todo = self._todo(parts)
         return ReplayForecast(
             out=self._target.out,
             recordings=sum(len(task.recordings) for task in self._tasks),
@@ -148,12 +146,26 @@ class Replay:
             If the table cannot be written, or the cluster cannot be used.
         """
         parts = self._parts(make=True)
-        todo = [task for task in self._tasks if parts.of(task) is None]
-        keeping = _Keeping(parts, _Tally(todo, progress))
-        if todo:
-            with self._answers(todo, cluster, workers, keeping.tally.reading) as answers:
-                keeping.keep(answers)
-        return self._report(keeping, parts, found=len(self._tasks) - len(todo))
+        todo = self._todo(parts)
+        tally = Tally(todo, progress)
+        with self._answers(todo, cluster, workers, tally) as answers:
+            return self._kept(parts, answers, tally, found=len(self._tasks) - len(todo))
+
+    def run_with(self, crew: Crew, progress: Progress = silent) -> ReplayReport:
+        """Do the same with a crew that is there already, for more than one replay.
+
+        Raises
+        ------
+        InputUnusable
+            As of `run`.
+        """
+        parts = self._parts(make=True)
+        todo = self._todo(parts)
+        answers = self._ordered(crew, todo)
+        return self._kept(parts, answers, Tally(todo, progress), found=len(self._tasks) - len(todo))
+
+    def _todo(self, parts: PartFolder) -> list[ReplayTask]:
+        return [task for task in self._tasks if parts.of(task) is None]
 
     def _parts(self, *, make: bool) -> PartFolder:
         target = self._target
@@ -165,21 +177,23 @@ class Replay:
         todo: Sequence[ReplayTask],
         cluster: str | None,
         workers: int | None,
-        reading: Callable[[int], None],
+        tally: Tally,
     ) -> Generator[Answers]:
         alone_s = sum(task.frames for task in todo) * FRAME_S
-        count = workers or len(os.sched_getaffinity(0))
-        if cluster is not None:
+        count = min(workers or len(os.sched_getaffinity(0)), len(todo))
+        if not todo:
+            yield iter(())
+        elif cluster is not None:
             with workers_at(cluster) as crew:
                 yield self._ordered(crew, todo)
-        elif workers is not None or _sooner_elsewhere(alone_s, min(count, len(todo))):
-            with local_workers(min(count, len(todo))) as crew:
+        elif workers is not None or _sooner_elsewhere(alone_s, count):
+            with local_workers(count) as crew:
                 yield self._ordered(crew, todo)
         else:
             skews = dict(self._means.max_skew_us)
             with all_cores(alone_s=alone_s) as cores:
                 doing = Doing(
-                    self._lookers, self._heading, self._target.form, skews, cores, reading
+                    self._lookers, self._heading, self._target.form, skews, cores, tally.reading
                 )
                 yield Here().each(doing.do, todo)
 
@@ -192,82 +206,29 @@ class Replay:
             else:
                 yield Done(answer.task.task, answer.result)
 
-    def _report(self, keeping: "_Keeping", parts: PartFolder, *, found: int) -> ReplayReport:
-        place = {
-            one.name: at
-            for at, one in enumerate(one for task in self._tasks for one in task.recordings)
+    def _kept(
+        self, parts: PartFolder, answers: Answers, tally: Tally, *, found: int
+    ) -> ReplayReport:
+        """Keep the answers as they come, and make the table."""
+        keeping = Keeping(parts, tally)
+        keeping.keep(answers)
+        recordings = [one.name for task in self._tasks for one in task.recordings]
+        refused = self._unplanned | {
+            name: keeping.refused[name] for name in recordings if name in keeping.refused
         }
-        late = sorted(keeping.refused.items(), key=lambda one: place[one[0]])
-        refused = self._unplanned | dict(late)
         used = [part for task in self._tasks if (part := keeping.part_of(task)) is not None]
         wheels, measured = self._target.join(self._heading, used)
-        if not (self._target.is_folder or refused):
+        if not (self._target.is_folder or keeping.refused):
             parts.remove()
         return ReplayReport(
             out=self._target.out,
-            recordings=len(place.keys() - refused.keys()),
+            recordings=len(recordings) - len(keeping.refused),
             found_measured=found,
-            frames=keeping.tally.frames,
+            frames=tally.frames,
             wheels=wheels,
             measured=measured,
             refused=_refusals(refused),
         )
-
-
-class _Tally:
-    """Counts the frames that are read, and tells how far it is."""
-
-    def __init__(self, todo: Sequence[ReplayTask], progress: Progress) -> None:
-        self.frames = 0
-        self._total, self._done = max(1, sum(task.frames for task in todo)), 0
-        self._tasks, self._tasks_done = len(todo), 0
-        self._progress = progress
-
-    def reading(self, frames: int) -> None:
-        """Be told how many frames of a task have been read."""
-        done = min(1.0, (self._done + frames) / self._total)
-        self._progress(done, f"recording {self._tasks_done + 1} of {self._tasks}")
-
-    def finished(self, task: ReplayTask, frames: int) -> None:
-        """Be told that a task has ended."""
-        self.frames += frames
-        self._done += task.frames
-        self._tasks_done += 1
-        done = min(1.0, self._done / self._total)
-        self._progress(done, f"{self._tasks_done} of {self._tasks} recordings")
-
-
-class _Keeping:
-    """Keeps what came of each task."""
-
-    def __init__(self, parts: PartFolder, tally: _Tally) -> None:
-        self.tally = tally
-        self.refused: dict[str, str] = {}
-        self._parts = parts
-        self._fresh: dict[ReplayTask, Part] = {}
-
-    def keep(self, answers: Answers) -> None:
-        """Keep the answers as they come."""
-        for one in answers:
-            if isinstance(one, Failed):
-                self._refuse(one.task, one.why)
-                self.tally.finished(one.task, 0)
-                continue
-            task, answer = one.task, one.result
-            self.refused |= {refusal.recording: refusal.reason for refusal in answer.refused}
-            if answer.held:
-                try:
-                    self._fresh[task] = self._parts.put(task.name, answer.held, answer.content)
-                except StationError as error:
-                    self._refuse(task, str(error))
-            self.tally.finished(task, answer.frames)
-
-    def part_of(self, task: ReplayTask) -> Part | None:
-        """Return the part with the wheels of a task, where there is one."""
-        return self._fresh.get(task) or self._parts.of(task)
-
-    def _refuse(self, task: ReplayTask, why: str) -> None:
-        self.refused |= dict.fromkeys((one.name for one in task.recordings), why)
 
 
 def _sooner_elsewhere(alone_s: float, count: int) -> bool:

@@ -47,6 +47,13 @@ def start_worker(settings: StationSettings, run_dir: Path) -> BaseProcess:
     return process
 
 
+def start_fleet(settings: StationSettings) -> BaseProcess:
+    """Start the process that sends to the fleet."""
+    process = _SPAWN.Process(target=_run_fleet, args=(settings, os.getpid()), name="fleet")
+    process.start()
+    return process
+
+
 def _known(settings: StationSettings) -> tuple[LogLevel, Path]:
     return settings.log_level, DataLayout.of(settings).processes_lock
 
@@ -58,6 +65,15 @@ def _run_worker(settings: StationSettings, sockets: dict[str, Path], supervisor_
     begin_process("worker", *_known(settings))
     yield_to_others()
     run_worker(settings, sockets)
+
+
+def _run_fleet(settings: StationSettings, supervisor_pid: int) -> None:
+    end_with_parent(supervisor_pid)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from station.fleet import run_fleet  # noqa: PLC0415  only this process pays for it
+
+    begin_process("fleet", *_known(settings))
+    run_fleet(settings)
 
 
 def _run_api(

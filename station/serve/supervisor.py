@@ -16,7 +16,7 @@ from station.serve.certificate import ensure_tls_usable
 from station.serve.children import Child, Handle
 from station.serve.first_key import Say, ensure_first_key
 from station.serve.listening import listen, url_of
-from station.serve.processes import start_api, start_sensor, start_worker
+from station.serve.processes import start_api, start_fleet, start_sensor, start_worker
 from station.serve.readiness import Announce, begin_announcing
 from station.serve.remains import await_end_of_killed, folder_of_sockets
 from station.serve.service_manager import ServiceManager
@@ -27,6 +27,7 @@ from station.worker import held
 _API_PATIENCE_S = 8.0
 _CAPTURE_PATIENCE_S = 20.0
 _WORKER_PATIENCE_S = 15.0
+_FLEET_PATIENCE_S = 5.0
 _log = structlog.get_logger()
 
 
@@ -92,7 +93,9 @@ def _stages(
         for sensor in settings.sensors
     ]
     worker = Child("worker", partial(start_worker, settings, run_dir), _WORKER_PATIENCE_S)
-    return [Child("api", start_the_api, _API_PATIENCE_S), worker], captures
+    api = Child("api", start_the_api, _API_PATIENCE_S)
+    fleet = [Child("fleet", partial(start_fleet, settings), _FLEET_PATIENCE_S)]
+    return [api, worker, *(fleet if settings.fleet is not None else [])], captures
 
 
 def _run(

@@ -69,8 +69,14 @@ def store_epoch(session: Session) -> str | None:
     return session.scalar(select(StoreEpoch.epoch).order_by(StoreEpoch.id.desc()).limit(1))
 
 
-def begin_epoch(session: Session, *, at: datetime) -> str:
-    """Begin another life of the store and return its name."""
+def begin_epoch(session: Session, *, after: str | None, at: datetime) -> str:
+    """Begin another life of the store after the one that was seen, and return its name.
+
+    Where somebody else began it meanwhile, it is theirs.
+    """
+    present = store_epoch(session)
+    if present is not None and present != after:
+        return present
     epoch = StoreEpoch(epoch=uuid4().hex, began_at=at)
     session.add(epoch)
     session.flush()

@@ -101,9 +101,9 @@ def test_workers_leave_an_interrupt_of_the_terminal_to_the_one_that_replays(work
 @pytest.mark.parametrize("address", ["tcp://127.61.0.1:9", "carrier-pigeon://home"])
 def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch, address):
     monkeypatch.setattr(replay_cluster, "_CONNECT_S", 1)
-    with pytest.raises(InputUnusable, match="no Dask scheduler answers there") as refused:
-        with workers_at(address):
-            pass
+    refusal = pytest.raises(InputUnusable, match="no Dask scheduler answers there")
+    with refusal as refused, workers_at(address):
+        pass
     assert "\n" not in str(refused.value)
 
 
@@ -111,7 +111,7 @@ def test_workers_of_another_version_are_refused_before_any_work(monkeypatch, wor
     address = workers._client.scheduler.address
     with workers_at(address) as crew:
         assert results(crew.each(crew_tasks.double, range(2))) == [(0, 0), (1, 2)]
-    monkeypatch.setattr(replay_cluster, "version", lambda _name: "9.9")
-    with pytest.raises(InputUnusable, match=r"has treadline .*, this is treadline 9\.9"):
-        with workers_at(address):
-            pass
+    monkeypatch.setattr(replay_cluster, "SOFTWARE", "treadline 9.9")
+    refusal = pytest.raises(InputUnusable, match=r"has treadline .*, this is treadline 9\.9")
+    with refusal, workers_at(address):
+        pass

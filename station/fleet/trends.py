@@ -1,0 +1,180 @@
+"""How a wheelset changes over its passes at all stations, and whether they read it alike."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from sqlalchemy import and_, select
+from sqlalchemy.orm import Session
+
+from measure import Alarm, Placing, Quantity, Side, Status
+from station.errors import NotFound
+from station.fleet.agreement import Agreement, StationValue, station_agreement
+from station.fleet.tables import FleetAxle, FleetPass, FleetWheel
+from station.store import JsonObject
+
+MOST_PASSES = 1000
+"""Of a wheel: years of them."""
+_DAY_S = 86_400.0
+
+
+@dataclass(frozen=True, slots=True)
+class FleetValue:
+    """A value of one pass at one station; `jump_mm` where the station saw it jump there."""
+
+    station: str
+    pass_id: str
+    at: datetime
+    value: float
+    u95: float
+    status: Status
+    alarm: Alarm
+    reference: str
+    jump_mm: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class FleetQuantity:
+    """The values of one quantity, the oldest first, and how the stations agree on it.
+
+    Attributes
+    ----------
+    agreement
+        Of the values since the last jump that were read as the last one was: by the same status
+        and reference.  None where they are of one station.
+    compared
+        How many these are.
+    """
+
+    values: tuple[FleetValue, ...]
+    compared: int
+    agreement: Agreement | None
+
+
+@dataclass(frozen=True, slots=True)
+class FleetSide:
+    """One wheel of a wheelset."""
+
+    side: Side
+    quantities: dict[Quantity, FleetQuantity]
+
+
+@dataclass(frozen=True, slots=True)
+class FleetTrend:
+    """Both wheels of a wheelset."""
+
+    wheelset: str
+    stations: tuple[str, ...]
+    sides: tuple[FleetSide, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A wheel of a wheelset in one pass."""
+
+    station: str
+    pass_id: str
+    at: datetime
+    reference: str
+    readings: JsonObject
+    jumps: JsonObject
+
+
+def fleet_trend(session: Session, wheelset: str, *, most: int = MOST_PASSES) -> FleetTrend:
+    """Return how a wheelset changed over its last passes at all stations.
+
+    Parameters
+    ----------
+    most
+        Passes of each wheel, the newest; at most `MOST_PASSES`.
+
+    Raises
+    ------
+    NotFound
+        If no station has measured it at a place that is certain.
+    """
+    found = {side: _history(session, wheelset, side, min(most, MOST_PASSES)) for side in Side}
+    if not any(found.values()):
+        raise NotFound(
+            f"wheelset {wheelset!r}: no station has measured it at a place that is certain; "
+            "are consists told with the passes?"
+        )
+    stations = {each.station for history in found.values() for each in history}
+    return FleetTrend(
+        wheelset,
+        tuple(sorted(stations)),
+        tuple(_side(side, history) for side, history in found.items() if history),
+    )
+
+
+def _history(session: Session, wheelset: str, side: Side, most: int) -> Sequence[_Found]:
+    epoch = "station", "epoch"
+    of_pass = [getattr(FleetAxle, n) == getattr(FleetPass, n) for n in epoch]
+    of_wheel = [getattr(FleetAxle, n) == getattr(FleetWheel, n) for n in epoch]
+    query = (
+        select(
+            FleetAxle.station,
+            FleetPass.id,
+            FleetPass.opened_at,
+            FleetWheel.reference,
+            FleetWheel.readings,
+            FleetAxle.jumps,
+        )
+        .join(FleetPass, and_(*of_pass, FleetPass.id == FleetAxle.pass_id))
+        .join(FleetWheel, and_(*of_wheel, FleetWheel.id == FleetAxle.wheel_id))
+        .where(FleetAxle.wheelset == wheelset)
+        .where(FleetAxle.wheelset_side == side.value)
+        .where(FleetAxle.placing == Placing.CERTAIN.value)
+        .where(~FleetPass.superseded)
+        .order_by(FleetPass.opened_at.desc(), FleetAxle.station, FleetPass.id)
+        .limit(most)
+    )
+    return [_Found(*row) for row in session.execute(query)][::-1]
+
+
+def _side(side: Side, history: Sequence[_Found]) -> FleetSide:
+    found = {quantity: _quantity(history, quantity) for quantity in Quantity}
+    return FleetSide(side, {name: each for name, each in found.items() if each is not None})
+
+
+def _quantity(history: Sequence[_Found], quantity: Quantity) -> FleetQuantity | None:
+    values = [value for each in history if (value := _value(each, quantity)) is not None]
+    if not values:
+        return None
+    compared = _comparable(values)
+    agreement = station_agreement([
+        StationValue(each.station, each.at.timestamp() / _DAY_S, each.value, each.u95)
+        for each in compared
+    ])
+    return FleetQuantity(tuple(values), len(compared), agreement)
+
+
+def _comparable(values: Sequence[FleetValue]) -> list[FleetValue]:
+    """Return those since the last jump that were read in the way of the last."""
+    last = values[-1]
+    turned = max(
+        (place for place, each in enumerate(values) if each.jump_mm is not None), default=0
+    )
+    return [
+        each
+        for each in values[turned:]
+        if each.u95 > 0.0 and (each.status, each.reference) == (last.status, last.reference)
+    ]
+
+
+def _value(found: _Found, quantity: Quantity) -> FleetValue | None:
+    reading = found.readings.get(quantity.value)
+    if reading is None or reading["value"] is None:
+        return None
+    jump = found.jumps.get(quantity.value)
+    return FleetValue(
+        station=found.station,
+        pass_id=found.pass_id,
+        at=found.at,
+        value=reading["value"],
+        u95=reading["u95"],
+        status=Status(reading["status"]),
+        alarm=Alarm(reading["alarm"]),
+        reference=found.reference,
+        jump_mm=None if jump is None else jump["change"],
+    )
