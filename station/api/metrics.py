@@ -10,6 +10,7 @@ from prometheus_client import (
 )
 
 from station.api.capture_metrics import CaptureCollector
+from station.api.fleet_metrics import FleetCollector
 from station.api.host_metrics import HostCollector
 from station.api.patient_collector import PatientCollector
 from station.api.recalibration_metrics import RecalibrationCollector
@@ -37,6 +38,7 @@ class Metrics:
             "work": WorkCollector(station),
             "calibrations": RecalibrationCollector(station),
             "host": HostCollector(station),
+            "fleet": FleetCollector(station),
         }
         self._registry.register(PatientCollector(parts))
         ProcessCollector(registry=self._registry)

@@ -42,6 +42,7 @@ GROUPS: dict[str, str] = {
     "reference": "station.cli.reference",
     "keys": "station.cli.keys",
     "api": "station.cli.api",
+    "fleet": "station.cli.fleet",
 }
 
 

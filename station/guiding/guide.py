@@ -1,20 +1,17 @@
 """The way to the process that finds targets, solves on trial and draws reports."""
 
-import socket
-import subprocess
-import sys
 import threading
 from collections import OrderedDict
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 from station.documents import CalibrationDocument
 from station.errors import StationError
 from station.guiding.enough import Demands
 from station.guiding.guidance import Guidance
 from station.guiding.watch import SessionSoFar, SessionWatch
+from station.processes.on_call import ProcessOnCall
 from station.settings import LogLevel
 
 _IDLE_S = 60.0
@@ -60,17 +57,15 @@ class Guide:
         idle_s: float = _IDLE_S,
         patience_s: float = _PATIENCE_S,
     ) -> None:
-        self._arguments = (str(idle_s), level, str(lock))
+        self._process = ProcessOnCall("station.guiding.process", level, lock, idle_s)
         self._patience_s = patience_s
         self._turn = threading.Lock()
-        self._running: _Running | None = None
         self._kept: OrderedDict[Path, _Kept] = OrderedDict()
 
     @property
     def pid(self) -> int | None:
         """Process id of the guiding process; None where there is none."""
-        running = self._running
-        return None if running is None or not running.lives else running.pid
+        return self._process.pid
 
     def guidance(
         self, watch: SessionWatch, demands: Demands, present: CalibrationDocument | None
@@ -111,7 +106,7 @@ class Guide:
     def close(self) -> None:
         """End the process; the next question starts another."""
         with self._turn:
-            self._end()
+            self._process.end()
 
     def _keep(self, recording: Path, kept: _Kept) -> None:
         self._kept[recording] = kept
@@ -120,60 +115,16 @@ class Guide:
             self._kept.popitem(last=False)
 
     def _ask(self, work: str, *given: object) -> object:
-        if self._running is not None and not self._running.lives:
-            self._end()
-        if self._running is None:
-            self._running = _Running(self._arguments)
         try:
-            answer, error = self._running.ask(work, given, self._patience_s)
+            link = self._process.link()
+            link.send((work, given))
+            if not link.poll(self._patience_s):
+                self._process.end()
+                raise GuideLost(f"no answer within {self._patience_s:g} s; try again")
+            answer, error = cast(tuple[object, StationError | None], link.recv())
         except (EOFError, OSError) as gone:
-            self._end()
+            self._process.end()
             raise GuideLost("the guiding process died; try again, or see the log") from gone
-        except GuideLost:
-            self._end()
-            raise
         if error is not None:
             raise error
         return answer
-
-    def _end(self) -> None:
-        if self._running is not None:
-            self._running.end()
-        self._running = None
-
-
-class _Running:
-    """A guiding process."""
-
-    def __init__(self, arguments: tuple[str, ...]) -> None:
-        ours, theirs = socket.socketpair()
-        command = [sys.executable, "-m", "station.guiding.process", str(theirs.fileno())]
-        self._process = subprocess.Popen(  # noqa: S603  our own code
-            [*command, *arguments], pass_fds=(theirs.fileno(),), stdin=subprocess.DEVNULL
-        )
-        theirs.close()
-        self._link = Connection(ours.detach())
-        # One that ends by itself is buried at once, not when it is asked the next time.
-        threading.Thread(target=self._process.wait, name="guiding ended", daemon=True).start()
-
-    @property
-    def pid(self) -> int:
-        return self._process.pid
-
-    @property
-    def lives(self) -> bool:
-        return self._process.poll() is None
-
-    def ask(
-        self, work: str, given: tuple[object, ...], patience_s: float
-    ) -> tuple[Any, StationError | None]:
-        """Ask; EOFError or OSError where the process is gone."""
-        self._link.send((work, given))
-        if not self._link.poll(patience_s):
-            raise GuideLost(f"no answer within {patience_s:g} s; try again")
-        return cast(tuple[Any, StationError | None], self._link.recv())
-
-    def end(self) -> None:
-        self._link.close()
-        self._process.kill()  # it has nothing to finish
-        self._process.wait()

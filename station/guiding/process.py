@@ -1,21 +1,15 @@
 """The guiding process: it looks at pictures and solves on trial, until nobody asks any more."""
 
-import signal
-import sys
 from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
-from pathlib import Path
-from typing import Any, Final, cast
+from typing import Any, Final
 
 from calib import CalibError
 from station.errors import StationError
 from station.guiding.guidance import guidance_of
 from station.guiding.watch import SessionSoFar, SessionWatch
-from station.processes.beginning import begin_process
-from station.processes.one_core import use_one_core
-from station.processes.priority import yield_to_others
+from station.processes.on_call import answer_calls
 from station.report import calibration_report
-from station.settings import LogLevel
 
 
 def go_on(watch: SessionWatch, so_far: SessionSoFar) -> SessionSoFar:
@@ -53,24 +47,5 @@ def _answer(work: Callable[..., Any], given: tuple[Any, ...]) -> tuple[Any, Stat
         return None, StationError(str(error))
 
 
-def main(link_descriptor: int, idle_s: float, level: LogLevel, lock: Path) -> None:
-    """Be the guiding process.
-
-    It has nothing to finish: a service manager's TERM ends it where it is, and Ctrl-C at a terminal
-    is for the process that answers calls, whose end closes the link.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    yield_to_others()
-    use_one_core()
-    begin_process("guiding", level, lock)
-    serve(Connection(link_descriptor), idle_s)
-
-
 if __name__ == "__main__":
-    descriptor_given, idle_given, level_given, lock_given = sys.argv[1:5]
-    main(
-        int(descriptor_given),
-        float(idle_given),
-        cast(LogLevel, level_given),
-        Path(lock_given),
-    )
+    answer_calls("guiding", serve)

@@ -1,9 +1,6 @@
 """Asking the viewing process, which is started when it is needed and again when it died."""
 
 import json
-import socket
-import subprocess
-import sys
 import threading
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import send_handle
@@ -14,6 +11,7 @@ import structlog
 
 from station import errors
 from station.errors import StationError
+from station.processes.on_call import ProcessOnCall
 from station.settings import LogLevel
 from station.viewing.orders import SeenFrame, View, ViewOrder
 
@@ -53,16 +51,14 @@ class Viewer:
         idle_s: float = _IDLE_S,
         patience_s: float = _PATIENCE_S,
     ) -> None:
-        self._arguments = (str(idle_s), level, str(lock))
+        self._process = ProcessOnCall("station.viewing.process", level, lock, idle_s)
         self._patience_s = patience_s
         self._turn = threading.Lock()
-        self._running: _Running | None = None
 
     @property
     def pid(self) -> int | None:
         """Process id of the viewing process; None where there is none."""
-        running = self._running
-        return None if running is None or not running.lives else running.pid
+        return self._process.pid
 
     def view(self, order: ViewOrder) -> View | None:
         """Return a frame as ordered; None where it is the one that the caller has.
@@ -76,77 +72,36 @@ class Viewer:
         """
         with self._turn:
             for _ in range(_ATTEMPTS):
-                running = self._ensure_running()
                 try:
-                    return running.view(order, self._patience_s)
+                    return self._asked(self._process.link(), order)
                 except (EOFError, OSError):
                     # It may have ended by itself while the order was on its way.
-                    self._end()
+                    self._process.end()
         raise ViewerLost("the viewing process died over the picture; try again, or see the log")
 
     def close(self) -> None:
         """End the viewing process; the next order starts another."""
         with self._turn:
-            self._end()
+            self._process.end()
 
-    def _ensure_running(self) -> "_Running":
-        if self._running is not None and not self._running.lives:
-            self._end()
-        if self._running is None:
-            self._running = _Running(self._arguments)
-        return self._running
-
-    def _end(self) -> None:
-        if self._running is not None:
-            self._running.end()
-        self._running = None
-
-
-class _Running:
-    """A viewing process."""
-
-    def __init__(self, arguments: tuple[str, ...]) -> None:
-        ours, theirs = socket.socketpair()
-        command = [sys.executable, "-m", "station.viewing.process", str(theirs.fileno())]
-        self._process = subprocess.Popen(  # noqa: S603  our own code
-            [*command, *arguments], pass_fds=(theirs.fileno(),), stdin=subprocess.DEVNULL
-        )
-        theirs.close()
-        self._link = Connection(ours.detach())
-        # One that ends by itself is buried at once, not when the next picture is wanted.
-        threading.Thread(target=self._process.wait, name="viewing ended", daemon=True).start()
-
-    @property
-    def pid(self) -> int:
-        return self._process.pid
-
-    @property
-    def lives(self) -> bool:
-        return self._process.poll() is None
-
-    def view(self, order: ViewOrder, patience_s: float) -> View | None:
+    def _asked(self, link: Connection, order: ViewOrder) -> View | None:
         """Ask; EOFError or OSError where the process is gone."""
-        self._link.send_bytes(json.dumps(order.to_json()).encode())
+        link.send_bytes(json.dumps(order.to_json()).encode())
         if order.shared is not None:
-            send_handle(self._link, order.shared.descriptor, self.pid)
-        answer = json.loads(self._received(patience_s))
+            send_handle(link, order.shared.descriptor, self._process.pid)
+        answer = json.loads(self._received(link))
         if "error" in answer:
             raise _error(answer)
         if "same" in answer:
             return None
-        return View(SeenFrame(**answer["frame"]), order.form, self._received(patience_s))
+        return View(SeenFrame(**answer["frame"]), order.form, self._received(link))
 
-    def end(self) -> None:
-        self._link.close()
-        self._process.kill()  # it has nothing to finish
-        self._process.wait()
-
-    def _received(self, patience_s: float) -> bytes:
-        if not self._link.poll(patience_s):
-            self._process.kill()
-            _log.warning("the viewing process did not answer", waited_s=patience_s)
-            raise ViewerLost(f"no picture came within {patience_s:g} s; is the disk stuck?")
-        return self._link.recv_bytes()
+    def _received(self, link: Connection) -> bytes:
+        if not link.poll(self._patience_s):
+            self._process.end()
+            _log.warning("the viewing process did not answer", waited_s=self._patience_s)
+            raise ViewerLost(f"no picture came within {self._patience_s:g} s; is the disk stuck?")
+        return link.recv_bytes()
 
 
 def _error(answer: dict[str, Any]) -> StationError:

@@ -2,21 +2,15 @@
 
 import json
 import os
-import signal
-import sys
 from collections import OrderedDict
 from dataclasses import asdict
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import recv_handle
-from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from calib import CalibError
 from station.errors import StationError
-from station.processes.beginning import begin_process
-from station.processes.one_core import use_one_core
-from station.processes.priority import yield_to_others
-from station.settings import LogLevel
+from station.processes.on_call import answer_calls
 from station.viewing.finding import Finder
 from station.viewing.making import content_of
 from station.viewing.orders import View, ViewOrder
@@ -95,24 +89,5 @@ def _say(link: Connection, fields: dict[str, Any]) -> None:
     link.send_bytes(json.dumps(fields).encode())
 
 
-def main(link_descriptor: int, idle_s: float, level: LogLevel, lock: Path) -> None:
-    """Be the viewing process.
-
-    It has nothing to finish: a service manager's TERM ends it where it is, and Ctrl-C at a terminal
-    is for the process that answers calls, whose end closes the link.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    yield_to_others()
-    use_one_core()
-    begin_process("viewing", level, lock)
-    serve(Connection(link_descriptor), Desk(Finder()), idle_s)
-
-
 if __name__ == "__main__":
-    descriptor_given, idle_given, level_given, lock_given = sys.argv[1:5]
-    main(
-        int(descriptor_given),
-        float(idle_given),
-        cast(LogLevel, level_given),
-        Path(lock_given),
-    )
+    answer_calls("viewing", lambda link, idle_s: serve(link, Desk(Finder()), idle_s))

@@ -4,7 +4,7 @@ import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextvars import Context
-from datetime import datetime
+from datetime import datetime, timedelta
 from functools import partial
 from threading import Lock
 
@@ -12,6 +12,7 @@ import structlog
 
 from station.capture import CaptureStatus
 from station.errors import StationError
+from station.fleet import read_note
 from station.host_clock import ClockState, clock_state
 from station.operations import Capture, Station
 from station.storage import GB, expected_of_pass
@@ -22,6 +23,7 @@ from station.watching.troubles import (
     CLOCK,
     CONTROLLER,
     DISK,
+    FLEET,
     STORE,
     WORKER,
     Severity,
@@ -114,6 +116,7 @@ class Lookout:
             sensor: answer for sensor, answer in seen.items() if isinstance(answer, CaptureStatus)
         }
         told = [*self._of_sensors(seen), *self._of_host(statuses), *self._of_worker()]
+        told += self._of_fleet(now)
         troubles = known if isinstance(known, list) else []
         if not isinstance(known, list):
             told.append((TroubleKind.STORE_UNREACHABLE, STORE, _why(known, self._patience_s)))
@@ -126,7 +129,8 @@ class Lookout:
         settings = self._station.settings
         sensors = [part_of_sensor(sensor.id) for sensor in settings.sensors]
         rigs = [part_of_rig(rig.id) for rig in settings.rigs]
-        return [STORE, WORKER, *sensors, *rigs, DISK, CLOCK, CONTROLLER]
+        fleet = [] if settings.fleet is None else [FLEET]
+        return [STORE, WORKER, *sensors, *rigs, DISK, CLOCK, CONTROLLER, *fleet]
 
     def _ask_store(self) -> list[Trouble]:
         station = self._station
@@ -150,6 +154,21 @@ class Lookout:
             runs = False
         if not runs:
             yield TroubleKind.WORKER_STOPPED, WORKER, "no worker process runs the jobs"
+
+    def _of_fleet(self, now: datetime) -> Iterator[_Told]:
+        """Tell of a fleet only when it is away for days: nothing waits for it."""
+        fleet = self._station.settings.fleet
+        note = None if fleet is None else read_note(self._station.layout.root)
+        if fleet is None or note is None:
+            return
+        last = note.reached_at or note.since
+        if now - last > timedelta(days=fleet.alarm_after_days):
+            why = "" if note.why is None else f": {note.why}"
+            yield (
+                TroubleKind.FLEET_SILENT,
+                FLEET,
+                f"not reached since {last:%Y-%m-%d %H:%M} UTC{why}",
+            )
 
     def _of_host(self, statuses: Mapping[str, CaptureStatus]) -> Iterator[_Told]:
         try:

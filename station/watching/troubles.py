@@ -9,6 +9,7 @@ WORKER = "worker"
 DISK = "disk"
 CLOCK = "clock"
 CONTROLLER = "controller"
+FLEET = "fleet"
 
 
 def part_of_sensor(sensor: str) -> str:
@@ -52,6 +53,7 @@ class TroubleKind(StrEnum):
     PASS_FAILED = "pass_failed"
     CONTROLLER_SILENT = "controller_silent"
     JOB_LATE = "job_late"
+    FLEET_SILENT = "fleet_silent"
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +143,11 @@ _MEANINGS: dict[TroubleKind, _Meaning] = {
         Severity.WARNING,
         "a job waits for long",
         "see /v1/jobs for what runs; the host may be too slow for its trains",
+    ),
+    TroubleKind.FLEET_SILENT: _Meaning(
+        Severity.NOTICE,
+        "not reached for days",
+        "look at the way to the fleet's database; nothing is lost, all is sent when it is back",
     ),
 }
 

@@ -13,8 +13,8 @@ from station.settings import load_settings
 README = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
 SHOWN = [
     shlex.split(line.partition(" #")[0])[1:]
-    for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL)
-    for line in block.splitlines()
+    for block in re.findall(r"```sh[^\n]*\n(.*?)```", README, re.DOTALL)
+    for line in block.replace("\\\n", "").splitlines()
     if line.startswith("station ")
 ]
 

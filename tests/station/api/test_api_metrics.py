@@ -1,4 +1,4 @@
-"""Shows the whole text of `/metrics`: that it parses, is named as is usual, is in the README, and
+"""Shows the whole text of `/metrics`: that it parses, is named as is usual, is in the handbook, and
 comes whatever part of the station fails.  The figures behind it are shown where they are made."""
 
 import json
@@ -26,7 +26,8 @@ from station.store import (
     add_job,
 )
 
-README = (Path(__file__).resolve().parents[3] / "README.md").read_text(encoding="utf-8")
+HANDBOOK = Path(__file__).resolve().parents[3] / "station" / "handbook"
+ALARMS = (HANDBOOK / "alarms.md").read_text(encoding="utf-8")
 DOCUMENT = {
     "sensor": "left", "created": "2026-07-01T12:00:00Z", "software": "treadline 0",
     "method": "joint",
@@ -75,12 +76,12 @@ def test_every_name_and_unit_is_as_prometheus_has_them(call):
             assert family.type != "counter" or sample.name == f"{name}_total"
 
 
-def test_the_readme_lists_them_all_and_no_other(served, call, busy):
+def test_the_handbook_lists_them_all_and_no_other(served, call, busy):
     """With their labels, where this station has a value to show them by."""
     measured(served, finished_at=busy)
     families(call)
     row = r"^\| `(station_\w+)` \| ([a-z, ]*) \| ([^|]+) \|$"
-    shown = {name: (labels, text) for name, labels, text in re.findall(row, README, re.MULTILINE)}
+    shown = {name: (labels, text) for name, labels, text in re.findall(row, ALARMS, re.MULTILINE)}
     found = {
         name + ("_total" if family.type == "counter" else ""): family
         for name, family in own(families(call)).items()

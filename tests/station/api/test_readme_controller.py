@@ -1,4 +1,4 @@
-"""Shows that the calls the README gives a controller are taken as they stand there, by curl and in
+"""Shows that the calls the handbook gives a controller are taken as they stand there, by curl and in
 Python; the worker that ends the job is a double."""
 
 import os
@@ -13,13 +13,13 @@ from test_api_calibration import make_ready, record_session
 
 from station.store import Job, JobState, Pass, PassState, end, report_progress, start, the
 
-README = (Path(__file__).resolve().parents[3] / "README.md").read_text(encoding="utf-8")
-SECTION = README.partition("## Connect a controller\n")[2].partition("\n## ")[0]
+HANDBOOK = Path(__file__).resolve().parents[3] / "station" / "handbook"
+PAGE = (HANDBOOK / "controller.md").read_text(encoding="utf-8")
 PATIENCE_S = 30.0
 
 
 def block(language):
-    return re.search(rf"```{language}\n(.*?)```", SECTION, re.DOTALL)[1]
+    return re.search(rf"```{language}[^\n]*\n(.*?)```", PAGE, re.DOTALL)[1]
 
 
 @pytest.fixture
@@ -94,17 +94,17 @@ def test_the_calls_shown_with_curl_take_a_train_from_its_coming_to_its_wheels(se
 @pytest.mark.usefixtures("calibrated", "worker")
 def test_the_program_shown_takes_a_train_from_its_coming_to_its_alarms(served):
     names = {"url": served.url, "key": ADMIN_KEY}
-    exec(compile(block("python"), "README.md", "exec"), names)  # noqa: S102  what is shown is run
+    exec(compile(block("python"), "controller.md", "exec"), names)  # noqa: S102  what is shown is run
     assert names["found"]["state"] == "done"
     assert names["alarms"] == []
 
 
-def test_every_answer_that_the_readme_explains_is_one_that_the_station_gives():
+def test_every_answer_that_the_page_explains_is_one_that_the_station_gives():
     from station.api.problems import STATUS_OF  # noqa: PLC0415  for this test alone
 
     explained = {
         int(status)
-        for row in re.findall(r"^\| (.*?) \|", SECTION, re.MULTILINE)
+        for row in re.findall(r"^\| (.*?) \|", PAGE, re.MULTILINE)
         for status in re.findall(r"\b\d{3}\b", row)
     }
     given = set(STATUS_OF.values())
