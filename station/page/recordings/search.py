@@ -1,44 +1,23 @@
-"""Which recordings a person looks for: the fields of the search, as they stand in the address."""
+"""Which recordings a person looks for."""
 
-from datetime import date, datetime, time, timedelta
-from typing import Literal
-from urllib.parse import urlencode
+from typing import ClassVar, Literal
 from zoneinfo import ZoneInfo
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from station.errors import InputUnusable
-from station.store import RecordingKind, RecordingSearch, Span
-
-PLACE = "/recordings"
+from station.page.searching import ListSearch
+from station.store import RecordingKind, RecordingSearch
 
 
-class Search(BaseModel):
-    """The fields; an empty one, as a form sends it, asks for nothing."""
+class Search(ListSearch):
+    """The fields of the search for recordings."""
 
-    model_config = ConfigDict(frozen=True, populate_by_name=True)
+    place: ClassVar[str] = "/recordings"
 
     name: str = Field(default="", max_length=128)
     """A piece of the name of a recording, its pass or its session."""
     sensor: str = Field(default="", max_length=32)
     kind: RecordingKind | Literal[""] = ""
-    first: date | Literal[""] = Field(default="", alias="from")
-    """The first day, in the station's zone."""
-    last: date | Literal[""] = Field(default="", alias="to")
-    """The last day."""
-    before: str = Field(default="", max_length=256)
-    """Where an older page begins."""
-
-    @property
-    def asks(self) -> bool:
-        """Whether any recording is left out."""
-        return self.older("") != PLACE
-
-    def older(self, cursor: str) -> str:
-        """Return where those before a place in the list are listed; from the newest where empty."""
-        given = self.model_dump(mode="json", by_alias=True) | {"before": cursor}
-        query = urlencode({name: value for name, value in given.items() if value})
-        return f"{PLACE}?{query}" if query else PLACE
 
     def wanted(self, zone: ZoneInfo | None) -> RecordingSearch:
         """Return what is looked for in the store; days are those of the station's zone.
@@ -48,21 +27,9 @@ class Search(BaseModel):
         InputUnusable
             If the last day comes before the first.
         """
-        if self.first and self.last and self.last < self.first:
-            raise InputUnusable(
-                f"from {self.first} to {self.last}: the last day comes before the first"
-            )
-        since = _begin_of(self.first, zone) if self.first else None
-        until = _begin_of(self.last + timedelta(days=1), zone) if self.last else None
         return RecordingSearch(
             name_holds=self.name.strip() or None,
             sensor=self.sensor or None,
             kind=self.kind or None,
-            span=Span(since, until),
+            span=self.span(zone),
         )
-
-
-def _begin_of(day: date, zone: ZoneInfo | None) -> datetime:
-    begin = datetime.combine(day, time.min)
-    # Without a zone in the settings the station shows the host's.
-    return begin.astimezone() if zone is None else begin.replace(tzinfo=zone)

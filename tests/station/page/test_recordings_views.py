@@ -54,7 +54,7 @@ def test_days_of_the_search_are_those_of_the_stations_zone():
 
 def test_search_stands_in_the_address_without_its_empty_fields():
     search = Search(name="<b> &", sensor="left")
-    assert search.older("2026 r") == "/recordings?name=%3Cb%3E+%26&sensor=left&before=2026+r"
+    assert search.older("2026 r") == "/recordings?before=2026+r&name=%3Cb%3E+%26&sensor=left"
     assert search.asks
     assert not Search(before="2026 r").asks
 
