@@ -69,4 +69,6 @@ def _shown(settings: StationSettings) -> dict[str, Any]:
     document = settings.model_dump(mode="json")
     if document["store_url"] is not None:
         document["store_url"] = _HIDDEN
+    if document["fleet"] is not None and document["fleet"]["url"] is not None:
+        document["fleet"]["url"] = _HIDDEN
     return document

@@ -17,7 +17,7 @@ from station.processes.stop_signal import StopSignal
 from station.settings import FleetSettings, StationSettings
 from station.store import Store
 
-_BEHIND_ALL = 15
+_BEHIND_ALL = 10
 
 
 def run_fleet(settings: StationSettings) -> None:

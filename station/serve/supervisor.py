@@ -27,7 +27,7 @@ from station.worker import held
 _API_PATIENCE_S = 8.0
 _CAPTURE_PATIENCE_S = 20.0
 _WORKER_PATIENCE_S = 15.0
-_FLEET_PATIENCE_S = 5.0
+_FLEET_PATIENCE_S = 10.0
 _log = structlog.get_logger()
 
 

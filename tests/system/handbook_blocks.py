@@ -1,4 +1,4 @@
-"""The fenced blocks of the README and the handbook, and a shell that runs them as a reader would."""
+"""The blocks of code in README and handbook, and a shell that runs them as a reader would."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""What the handbook says is what there is, and all of it: pages, links, marks, words of alarms, settings."""
+"""What the handbook says is what there is, and all of it: links, marks, alarms, settings."""
 
 import re
 import tomllib
@@ -89,13 +89,18 @@ def test_metrics_that_alerts_rest_on_are_in_the_table_of_metrics():
     assert named == listed
 
 
-def test_settings_shown_load(tmp_path):
-    for page in PAGES:
-        for block in blocks_of(HANDBOOK / f"{page}.md"):
-            if block.language == "toml":
-                given = tomllib.loads(block.text)
-                sensors = '[[sensors]]\nid = "left"\naddress = "192.168.10.2"\n'
-                head = "" if "sensors" in given else f'data_dir = "data"\n{sensors}'
-                (tmp_path / "station.toml").write_text(f"{head}\n{block.text}")
-                settings = load_settings(tmp_path / "station.toml")
-                assert all(getattr(settings, name) for name in given)
+TABLES = [block for block in handbook_blocks() if block.language == "toml"]
+
+
+@pytest.mark.parametrize("block", TABLES, ids=lambda block: block.name)
+def test_settings_shown_load_in_a_station_that_has_their_sensors(tmp_path, block):
+    told = tomllib.loads(block.text)
+    names = [name for rig in told.get("rigs", ()) for name in rig["sensors"]] or ["left"]
+    sensors = [
+        f'[[sensors]]\nid = "{name}"\naddress = "192.168.10.{place}"\n'
+        for place, name in enumerate(names, start=2)
+    ]
+    others = [] if "sensors" in told else ['data_dir = "data"', *sensors]
+    (tmp_path / "station.toml").write_text("\n".join([*others, block.text]))
+    settings = load_settings(tmp_path / "station.toml")
+    assert all(getattr(settings, name) for name in told)

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 
+from calib import FloatArray
 from measure import ReferenceProfile, ReferenceUnknown, reference_profile
 from station.documents import ProfileDocument, WheelDocument
 from station.errors import InputUnusable, NotFound
@@ -58,6 +59,7 @@ def profile_drawing(
         },
         "sensors": wheel.profile.sensors,
         "strands": list(_strands(drawn, wheel.profile)),
+        "names_at": [_alone_at(drawn, place) for place in range(len(wheel.profile.sensors))],
         "band": " ".join(path_of(drawn.band(run), closed=True) for run in drawn.runs()),
         "lost": " ".join(_lost(drawn)),
         "tip_mm": drawn.tip_mm,
@@ -94,6 +96,28 @@ def _strands(drawn: Drawn, profile: ProfileDocument) -> Iterator[JsonObject]:
         for bits, strand in drawn.strands(run):
             seen = [place for place in range(len(profile.sensors)) if bits >> place & 1]
             yield {"seen_by": seen, "path": path_of(drawn.points_mm[strand])}
+
+
+def _alone_at(drawn: Drawn, place: int) -> list[float] | None:
+    """Return the middle of the longest piece that one sensor alone saw; None where there is none.
+
+    Found here: in a browser the length of a path of thousands of points is dear.
+    """
+    alone = [
+        drawn.points_mm[strand]
+        for run in drawn.runs()
+        for bits, strand in drawn.strands(run)
+        if bits == 1 << place
+    ]
+    longest = max(alone, key=_length_mm, default=None)
+    if longest is None:
+        return None
+    middle: list[float] = np.round(longest[len(longest) // 2], 3).tolist()
+    return middle
+
+
+def _length_mm(points_mm: FloatArray) -> float:
+    return float(np.linalg.norm(np.diff(points_mm, axis=0), axis=1).sum())
 
 
 def _lost(drawn: Drawn) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Shows that the calls the handbook gives a controller are taken as they stand there, by curl and in
+"""Shows that the calls the handbook gives a controller are taken as they stand, by curl and in
 Python; the worker that ends the job is a double."""
 
 import os

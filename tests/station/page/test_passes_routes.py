@@ -4,6 +4,7 @@ import html
 import re
 
 import httpx
+import numpy as np
 import pytest
 from demo_station_story import DARK_WHEEL, LOST_FRAME, MARKUP, PASSES, SCRIPT
 
@@ -139,6 +140,12 @@ def test_a_wheel_seen_by_two_sensors_says_which_saw_what(reader):
     assert drawing["sensors"] == ["left-inner", "left-outer"]
     seen = {tuple(strand["seen_by"]) for strand in drawing["strands"]}
     assert seen == {(0,), (1,), (0, 1)}
+    profile = told(reader, f"/v1/measurements/{drawing['measurement']}")["wheel"]["profile"]
+    for place, name_at in enumerate(drawing["names_at"]):
+        nearest = np.hypot(
+            np.subtract(profile["d_mm"], name_at[0]), np.subtract(profile["h_mm"], name_at[1])
+        ).argmin()
+        assert profile["seen_by"][nearest] == 1 << place
 
 
 def test_the_frames_of_a_wheel_are_those_of_its_sensors(reader):

@@ -10,7 +10,7 @@ const LEAST_HEIGHT_PX = 260;
 const SEVERAL = "several";
 
 /**
- * Draw profiles in an element and return it with `destroy()`.
+ * Draw profiles in an element; return `destroy()` and the promise `drawn`, kept once they are seen.
  *
  * `drawings` are what /wheels/ID/drawing answers: the first with its gauges, others as thinner lines
  * over it, as of the same wheel measured by another calibration.  `words` are the texts
@@ -28,7 +28,7 @@ export function profileChart(element, drawings, words) {
   shapes.append(...drawings.flatMap((drawing, place) => shapesOf(drawing, place)));
   picture.append(grid, shapes, marks);
   field.append(picture);
-  const names = namesOf(first, shapes);
+  const names = namesOf(first);
 
   const view = new Window({ d: first.window_mm.d, h: first.window_mm.h }, draw);
   function draw() {
@@ -53,8 +53,10 @@ export function profileChart(element, drawings, words) {
   sized.observe(field);
   fit();
   // Drawn is what a person sees: behind the next paint.
-  requestAnimationFrame(() => setTimeout(() => performance.measure("profile-drawn", { start: begun })));
-  return { destroy: () => sized.disconnect() };
+  const drawn = new Promise((resolve) => {
+    requestAnimationFrame(() => setTimeout(() => resolve(performance.measure("profile-drawn", { start: begun }))));
+  });
+  return { destroy: () => sized.disconnect(), drawn };
 }
 
 function shapesOf(drawing, place) {
@@ -78,13 +80,10 @@ function seenBy(seen) {
 }
 
 /** Return what writes each sensor's name beside the longest part that it alone saw. */
-function namesOf(drawing, shapes) {
+function namesOf(drawing) {
   return drawing.sensors.flatMap((name, place) => {
-    const parts = [...shapes.querySelectorAll(`.measured[data-seen="${place}"]`)];
-    const longest = parts.sort((a, b) => b.getTotalLength() - a.getTotalLength())[0];
-    if (!longest) return [];
-    const { x, y } = longest.getPointAtLength(longest.getTotalLength() / 2);
-    const at = [x / UM_PER_MM, -y / UM_PER_MM];
+    const at = drawing.names_at[place];
+    if (!at) return [];
     return [(view) => {
       const [px, py] = view.place(at);
       return text([px + 8, py + 22], name, `sensor by-${place}`);

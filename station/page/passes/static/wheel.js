@@ -12,7 +12,7 @@ async function showProfile(place) {
     const answer = await fetch(place.dataset.from, { headers: { Accept: "application/json" } });
     if (!answer.ok) throw new Error(`answered ${answer.status}`);
     const drawing = await answer.json();
-    profileChart(place, [drawing], words);
+    await profileChart(place, [drawing], words).drawn;
     showWear(wear, drawing.wear);
   } catch {
     for (const each of [place, wear]) each.replaceChildren(failure());
