@@ -9,14 +9,17 @@ from typing import Final
 import numpy as np
 
 from station.bench.page_browser import Browser, Visit, browser
+from station.bench.page_drawing import drawing_of
 from station.bench.service.filled_store import Traffic
 from station.bench.service.ground import Extent, Ground
 from station.bench.service.serving import Serving
+from station.documents import WheelDocument
 from station.errors import StationError
 from station.progress import Progress
 from station.tables import Table, Value
 
 ASKED_MS, ASKED_KB, ASKED_DRAWN_MS = 1000.0, 150.0, 50.0
+POINTS: Final = 2000
 _PAGES: Final = ("/now", "/passes", "/calibration", "/recordings", "/set-up")
 _BEFORE, _RUNNING = "before", "running"
 _EXTENT: Final = Extent(Traffic(passes=200, axles=8), wheels=4, longest_pass_s=300.0)
@@ -48,7 +51,8 @@ def bench_page(progress: Progress, *, visits: int = 7) -> Table:
             opened.log_in(f"http://127.0.0.1:{serving.port}", ground.key)
             seen = {page: _visits(opened, page, visits, progress) for page in _PAGES}
             progress(0.9, "drawing a profile")
-            drawn_ms = [opened.profile_drawn_ms(f"/wheels/{wheel}") for _ in range(visits)]
+            drawing = drawing_of(_wheel(serving, wheel), POINTS)
+            drawn_ms = [opened.profile_drawn_ms(f"/wheels/{wheel}", drawing) for _ in range(visits)]
             closed = serving.client.finish_pass(_RUNNING, triggers={})
     return table_of(seen, drawn_ms, closed["recordings"][0])
 
@@ -64,6 +68,12 @@ def _measured_wheel(serving: Serving) -> int:
     serving.client.finish_pass(_BEFORE, triggers={})
     serving.client.await_pass(_BEFORE, timeout_s=_PATIENCE_S)
     return _wheels(serving)[0]
+
+
+def _wheel(serving: Serving, measurement: int) -> WheelDocument:
+    rows = serving.client.wheels(_BEFORE)
+    row = next(row for row in rows if row["id"] == measurement)
+    return WheelDocument.model_validate(row["wheel"])
 
 
 def _wheels(serving: Serving) -> list[int]:
@@ -83,7 +93,7 @@ def table_of(
 ) -> Table:
     """Return what was seen beside what is asked, of each page and of the drawing of a profile."""
     rows = [row for page, visits in seen.items() for row in _rows(page, visits)]
-    rows.append(_row("a wheel's profile, drawn", drawn_ms, "ms", ASKED_DRAWN_MS))
+    rows.append(_row(f"a profile of {POINTS} points, drawn", drawn_ms, "ms", ASKED_DRAWN_MS))
     notes = (
         f"{len(drawn_ms)} visits each by a headless browser on the same machine, with nothing kept "
         "from before, while one sensor records at full rate and its wheels are measured. "

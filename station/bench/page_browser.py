@@ -1,5 +1,6 @@
 """A browser before the station's pages, as the benches use it."""
 
+import re
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -26,6 +27,7 @@ _PATIENCE_MS = 60_000.0
 _SETTLED_MS = 1000.0
 _LOOK_MS = 50.0
 _INTERACTIVE: Final = "() => performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd"
+_FETCHED: Final = re.compile(r"/wheels/\d+/drawing$")
 _DRAWN: Final = "() => performance.getEntriesByName('profile-drawn').at(0)?.duration ?? null"
 
 
@@ -68,9 +70,16 @@ class Browser:
             page.wait_for_timeout(_SETTLED_MS)
             return Visit(float(page.evaluate(_INTERACTIVE)), int(sum(came)))
 
-    def profile_drawn_ms(self, address: str) -> float:
-        """Open the page of a wheel; return how long drawing its profile took, ms."""
+    def profile_drawn_ms(self, address: str, drawing: str) -> float:
+        """Open the page of a wheel; return how long drawing a profile took, ms.
+
+        Parameters
+        ----------
+        drawing
+            What the page is to draw, as it would fetch it.
+        """
         with self._page() as page:
+            page.route(_FETCHED, lambda route: route.fulfill(body=drawing))
             page.goto(f"{self._url}{address}")
             # Not by the browser's own waiting: that evaluates text, which the page does not let it.
             until_s = time.monotonic() + _PATIENCE_MS / 1e3

@@ -174,6 +174,7 @@ def _begin(session: Session, sender: Sender, now: datetime) -> FleetEpoch:
 def _ensure_mark(session: Session, sender: Sender, mark: Mark, batch: Batch, at: datetime) -> None:
     """Move the mark on, if it is where the station saw it; the rows follow in its transaction."""
     now = fleet_now(session)
+    _note_station(session, sender, batch.left, at, now)  # first, as in `hear`: locks in one order
     moved = session.execute(
         update(FleetEpoch)
         .where(FleetEpoch.station == sender.station)
@@ -188,7 +189,6 @@ def _ensure_mark(session: Session, sender: Sender, mark: Mark, batch: Batch, at:
             f"station {sender.station!r}: its mark in the fleet is no longer at {mark.number}; "
             "does another station send under the same name?"
         )
-    _note_station(session, sender, batch.left, at, now)
 
 
 _PARTS: dict[type[OfEpoch], tuple[type[OfEpoch], ...]] = {

@@ -5,5 +5,6 @@ what all pages share is here.  Every text is in `texts/en`, one file a page.
 """
 
 from station.page.app import add_pages
+from station.page.passes.profile_drawing import profile_drawing
 
-__all__ = ["add_pages"]
+__all__ = ["add_pages", "profile_drawing"]

@@ -20,6 +20,10 @@ _LOCAL_CONFIG = {
     "distributed.scheduler.allowed-failures": 1,
     # Nobody reads these lines: a task of minutes that holds the interpreter is no fault here.
     "distributed.admin.tick.limit": "1h",
+    # Its own watching takes a twentieth of a core.
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
     "distributed.worker.preload": ["station.replay.worker_start"],
     "distributed.comm.timeouts.connect": "30s",
 }

@@ -28,7 +28,7 @@ def test_a_page_that_is_late_or_heavy_does_not_hold():
         "/quick, over the wire": True,
         "/slow, interactive": False,
         "/slow, over the wire": False,
-        "a wheel's profile, drawn": True,
+        "a profile of 2000 points, drawn": True,
     }
 
 

@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 from fleet_stations import BEGAN, CutOff, Sending, calibration, counts
+from newest_schema import make_store
 from sqlalchemy import make_url, select
 
 from measure import Alarm
 from station.errors import StoreUnusable
+from station.fleet import Fleet, migrate_fleet
 from station.fleet.tables import (
     FleetAlarm,
     FleetAxle,
@@ -322,3 +324,20 @@ def test_two_that_send_for_one_store_do_not_send_twice(fleet, station):
     assert counts(fleet) == (8, 16, 16)
     with north.store.look() as session:
         assert rows(fleet, FleetEpoch)[0].store_epoch == store_epoch(session)
+
+
+def test_a_value_that_postgresql_does_not_take_is_refused_alone(postgres, tmp_path):
+    url = postgres.empty_database()
+    migrate_fleet(url)
+    fleet = Fleet.open(url)
+    make_store(sqlite_url(tmp_path / "north.sqlite"))
+    north = Sending(Store.open(sqlite_url(tmp_path / "north.sqlite")), fleet, "north")
+    north.train(0)
+    north.train(1, value=float("nan"))  # JSON has none, SQLite takes it
+    north.train(2)
+    north.push()
+    assert {row.id for row in rows(fleet, FleetPass)} == {"p00000", "p00002"}
+    (refused,) = rows(fleet, FleetRefusal)
+    assert (refused.key, "NaN" in refused.why) == ("p00001", True)
+    north.store.close()
+    fleet.close()

@@ -13,12 +13,6 @@ from station.replay.crew import Done, Failed, Here
 from station.replay.work import OtherSoftware
 
 
-@pytest.fixture(scope="module")
-def workers():
-    with local_workers(2) as crew:
-        yield crew
-
-
 @pytest.fixture(params=["here", "workers"])
 def crew(request):
     return Here() if request.param == "here" else request.getfixturevalue("workers")
@@ -80,7 +74,8 @@ def test_a_task_that_kills_every_worker_is_named_and_those_beside_it_are_done(wo
     assert "2 workers died of it" in failed.why
 
 
-def test_workers_outlive_no_replay(workers):
+@pytest.mark.slow
+def test_workers_outlive_no_replay():
     with local_workers(1) as crew:
         (pid,) = crew._client.run(os.getpid).values()
     with pytest.raises(ProcessLookupError):

@@ -1,9 +1,14 @@
 """What was measured is not measured again, and every recording stands once among the parts."""
 
+import json
+
+import fsspec
+import numpy as np
 import pytest
 from wheel_recordings import FILE_FOR_EACH_FRAME, record, true_calibration, views_of
 
 import station.replay.work as replay_work
+from station.cli.main import build_app, run
 from station.errors import InputUnusable
 from station.replay import Means, Replay, replay_recordings
 from station.replay.forms import Form
@@ -94,8 +99,6 @@ def test_a_pass_of_many_sensors_has_a_name_that_a_disk_takes(parts):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Return a folder with two recordings of one wheel each, the second in two files."""
-    import numpy as np
-
     folder = tmp_path_factory.mktemp("archive")
     rng = np.random.default_rng(5)
     views = views_of(WheelTruth(tread_wear_mm=1.0), (-20.0, 0.0), rng, seed=1)
@@ -163,8 +166,6 @@ def test_a_dry_run_tells_what_there_is_to_do_and_writes_nothing(folder, tmp_path
 
 
 def test_what_lies_at_a_url_reads_the_same_as_what_lies_here(folder, tmp_path):
-    import fsspec
-
     far = fsspec.filesystem("memory")
     far.put(str(folder), f"/{folder.name}", recursive=True)
     try:
@@ -195,3 +196,31 @@ def test_a_url_that_cannot_be_read_is_one_line(tmp_path, url, message):
 def test_a_folder_without_a_recording_is_refused(tmp_path):
     with pytest.raises(InputUnusable, match="no recording"):
         replay_recordings([tmp_path], CALIBRATION, tmp_path / "r.csv")
+
+
+def test_workers_make_the_same_table_to_the_last_byte(folder, tmp_path, workers):
+    here = replay_recordings([folder], CALIBRATION, tmp_path / "here.json").out
+    means = Means.of([CALIBRATION])
+    report = Replay([folder], means, tmp_path / "there.json").run_with(workers)
+    assert (report.recordings, report.wheels, report.frames) == (2, 2, 4)
+    made = [json.loads(path.read_bytes()) for path in (here, report.out)]
+    assert made[0]["wheels"] == made[1]["wheels"]
+
+
+def test_command_takes_a_cluster_and_a_reference_that_its_workers_do_not_have(
+    folder, tmp_path, workers, capsys
+):
+    CALIBRATION.write(tmp_path / "calibration.json")
+    profile = tmp_path / "worn.csv"
+    rows = (f"{d},{-0.05 * abs(d - 70.0)}" for d in range(5, 131))
+    profile.write_text("\n".join(["d_mm,h_mm", *rows]))
+    arguments = [str(folder), f"--calibration={tmp_path / 'calibration.json'}", "--json"]
+    out = tmp_path / "results"
+    address = workers._client.scheduler.address
+    assert run(build_app("replay"), ["replay", *arguments, f"--out={out}", "--dry-run"]) == 0
+    assert json.loads(capsys.readouterr().out)["tasks"] == 2
+    command = ["replay", *arguments, f"--out={out}", f"--cluster={address}"]
+    assert run(build_app("replay"), command) == 0
+    assert json.loads(capsys.readouterr().out)["measured"] == 2
+    assert run(build_app("replay"), [*command, "--workers=2"]) == 2
+    assert "give one of them" in capsys.readouterr().err
