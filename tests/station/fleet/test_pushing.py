@@ -36,6 +36,7 @@ from station.store import (
     Store,
     activate,
     axles_of,
+    changes_after,
     replace_axles,
     sqlite_url,
     store_epoch,
@@ -53,6 +54,8 @@ def test_what_is_new_comes_once_and_nothing_is_left(fleet, station):
         north.train(number)
     pushed = north.push()
     assert (pushed.changes, pushed.left.count) == (3, 0)
+    with north.store.look() as session:
+        assert pushed.number == changes_after(session, 0, limit=10)[-1].number
     assert counts(fleet) == (3, 6, 6)
     again = north.push()
     assert again.changes == 0

@@ -128,10 +128,7 @@ def test_the_process_sends_and_ends_when_asked(station, fleet_url):
     Sending(north.store, None, "North").train(0)
     process = start_fleet(north.settings)
     try:
-        deadline = time.monotonic() + 30.0
-        while (note := read_note(north.layout.root)) is None or note.reached_at is None:
-            assert time.monotonic() < deadline, note
-            time.sleep(0.05)
+        until(lambda: (note := read_note(north.layout.root)) is not None and note.reached_at)
         process.terminate()
         process.join(30.0)  # it is behind all others, also in ending
         assert process.exitcode == 0
@@ -141,3 +138,31 @@ def test_the_process_sends_and_ends_when_asked(station, fleet_url):
     fleet = Fleet.open(fleet_url)
     assert counts(fleet, "North") == (1, 2, 2)
     fleet.close()
+
+
+def test_the_process_killed_in_the_middle_of_a_batch_doubles_nothing(station, fleet_url):
+    migrate_fleet(fleet_url)
+    fleet = Fleet.open(fleet_url)
+    north = station()
+    sending = Sending(north.store, None, "North")
+    for number in range(150):
+        sending.train(number)
+    process = start_fleet(north.settings)
+    try:
+        until(lambda: counts(fleet)[0] >= 20)
+    finally:
+        process.kill()
+        process.join(30.0)
+    # Whole batches, of 20; where it was slower to die than to send there is nothing to see.
+    assert counts(fleet)[0] % 20 == 0 or counts(fleet)[0] == 150
+    sending.fleet = fleet
+    sending.push()
+    assert counts(fleet) == (150, 300, 300)
+    fleet.close()
+
+
+def until(reached):
+    deadline = time.monotonic() + 30.0
+    while not reached():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)

@@ -1,5 +1,6 @@
 // Lines over a quantity or over time: a thin helper over uPlot (the page includes shell/charts.html).
 import { colour, whenAppearanceChanges } from "./colours.js";
+import { DATES } from "./dates.js";
 import { addKeys } from "./keys.js";
 import { drawBand, drawBars, drawLevels, drawMoments, drawSpans } from "./marks.js";
 import { moment, quantity, zone } from "./numbers.js";
@@ -90,7 +91,7 @@ function optionsOf(settings, dataNow, sized) {
     scales: { x: { time: Boolean(times) }, y: { range: rangeOf(settings, dataNow) } },
     legend: { show: settings.legend },
     cursor: { drag: { x: true, y: false } },
-    axes: [axis(named(labels.x, units.x)), { ...axis(named(labels.y, units.y)), size: 64 }],
+    axes: [{ ...axis(named(labels.x, units.x)), ...(times && { values: DATES }) }, { ...axis(named(labels.y, units.y)), size: 64 }],
     series: [
       { label: labels.x, value: (_, value) => shownX(value, settings) },
       ...dataNow().series.map((each, place) => seriesOf(each, place, units.y, digits.y)),
