@@ -6,7 +6,7 @@ fail() { printf 'deploy: %s\n' "$*" >&2; exit 2; }
 
 # Aravis comes as a GObject typelib; PyGObject from pip would need headers and a compiler.
 DEBIAN_PACKAGES=(python3-venv python3-gi gir1.2-aravis-0.8)
-# The tests start a server of their own, in a folder of their own, run the calls that the README shows, and open the
+# The tests start a server of their own, in a folder of their own, run the calls that README and handbook show, and open the
 # page in a browser.
 DEBIAN_PACKAGES_OF_TESTS=(postgresql curl chromium)
 

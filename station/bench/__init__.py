@@ -17,6 +17,7 @@ from station.bench.measure_train import bench_train
 from station.bench.page import bench_page
 from station.bench.pairs import bench_pairs
 from station.bench.paper import bench_paper
+from station.bench.paper_draws import bench_paper_draws
 from station.bench.piece import bench_piece
 from station.bench.piece_u95 import bench_piece_u95
 from station.bench.pose_sets import bench_pose_sets
@@ -82,6 +83,7 @@ __all__ = [
     "bench_page",
     "bench_pairs",
     "bench_paper",
+    "bench_paper_draws",
     "bench_piece",
     "bench_piece_u95",
     "bench_pose_sets",

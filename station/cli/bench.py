@@ -10,6 +10,7 @@ import typer
 from station.bench import (
     BENCHES,
     CAPTURE_PARTS,
+    bench_paper_draws,
     bench_service_kills,
     capture_benches,
     measure_benches,
@@ -19,7 +20,7 @@ from station.errors import InputUnusable
 from station.progress import Progress
 from station.tables import Table
 
-_CAPTURE, _MEASURE, _KILLS = "capture", "measure", "service-kills"
+_CAPTURE, _MEASURE, _KILLS, _PAPER = "capture", "measure", "service-kills", "paper"
 
 
 def bench(
@@ -45,12 +46,23 @@ def bench(
             help="Of capture: where recordings go meanwhile. Of measure: MiniProf files.",
         ),
     ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Of paper: draw the noise many times, on the workers of this Dask scheduler.",
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure and print the figures of the README."""
     if name is not None and name not in BENCHES:
         raise InputUnusable(f"bench {name!r}; allowed: {', '.join(BENCHES)}")
     benches = dict(BENCHES) if name is None else {name: BENCHES[name]}
+    if cluster is not None:
+        if name != _PAPER:
+            raise InputUnusable("--cluster is of `station bench paper`")
+        benches[name] = (partial(bench_paper_draws, cluster=cluster),)
     if name == _MEASURE and folder is not None:
         benches[name] = measure_benches(folder)
         folder = None

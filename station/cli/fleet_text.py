@@ -37,7 +37,8 @@ def _remarks(state: StationState) -> list[str]:
         f"its clock is {_span(abs(clock))} {'ahead' if clock > 0 else 'behind'}": abs(clock)
         > _CLOCK_S,
         f"{state.refused} changes not taken": state.refused > 0,
-        f"its store was brought back {state.epochs - 1} times": state.epochs > 1,
+        f"epoch {state.epochs} of its store": state.epochs > 1,
+        "SEVERAL STORES SEND UNDER ITS NAME": state.rivals > 0,
     }
     return [text for text, holds in found.items() if holds]
 

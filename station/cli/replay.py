@@ -107,10 +107,11 @@ def _forecast_text(forecast: ReplayForecast) -> str:
 
 def _text(report: ReplayReport) -> str:
     before = f", {report.found_measured} measured before" if report.found_measured else ""
+    again = "; the same command tries what is not in it again, and that alone"
     return (
         f"{report.measured} of {report.wheels} wheels measured, {report.recordings} recordings"
         f"{before}, {report.frames} frames read\nwritten to {report.out}"
-        f"{_refused_text(report.refused)}"
+        f"{again if report.refused else ''}{_refused_text(report.refused)}"
     )
 
 

@@ -1,4 +1,4 @@
-"""The calls a trackside controller makes, in Python; `README.md` shows the same with curl.
+"""The calls a trackside controller makes, in Python; the handbook has the same with curl.
 
 A call that is cut off, or told to come again later, is made again by itself: see `Patience`.
 """

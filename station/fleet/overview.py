@@ -36,6 +36,9 @@ class StationState:
         Changes it had still to send when it was heard, and since when the oldest waited.
     epochs
         Lives of its store that the fleet knows; more than one where it was brought back.
+    rivals
+        Earlier lives that went on sending after a later one had begun: another station uses the
+        name, or a copy of the store runs.
     refused
         Changes that the fleet's database did not take.
     alarms
@@ -55,6 +58,7 @@ class StationState:
     passes: int
     last_pass_at: datetime | None
     epochs: int
+    rivals: int
     refused: int
     alarms: int
     doubtful: tuple[str, ...]
@@ -132,6 +136,7 @@ def _state(
         passes=session.scalar(passes) or 0,
         last_pass_at=None if last is None else last.opened_at,
         epochs=_count(session, FleetEpoch, row.id),
+        rivals=_rivals(session, row.id),
         refused=_count(session, FleetRefusal, row.id),
         alarms=0 if last is None else _alarms(session, last),
         doubtful=doubtful,
@@ -140,6 +145,24 @@ def _state(
 
 def _count(session: Session, table: type[FleetEpoch | FleetRefusal], station: str) -> int:
     query = select(func.count()).select_from(table).where(table.station == station)
+    return session.scalar(query) or 0
+
+
+def _rivals(session: Session, station: str) -> int:
+    later = aliased(FleetEpoch)
+    overtaken = (
+        select(later.epoch)
+        .where(later.station == FleetEpoch.station)
+        .where(later.epoch > FleetEpoch.epoch)
+        .where(later.began_at < FleetEpoch.heard_at)
+        .exists()
+    )
+    query = (
+        select(func.count())
+        .select_from(FleetEpoch)
+        .where(FleetEpoch.station == station)
+        .where(overtaken)
+    )
     return session.scalar(query) or 0
 
 

@@ -97,6 +97,10 @@ class Workers:
             else:
                 yield answer
 
+    def on_each(self, work: Callable[[], Result]) -> list[Result]:
+        """Return what a function, importable by name, gives on each of the workers there are."""
+        return list(self._client.run(work).values())
+
     def _tried(
         self, work: Callable[[Task], Result], tasks: Iterator[Task], ahead: Callable[[], int]
     ) -> Generator["Done[Task, Result] | Failed[Task] | _Killer[Task]"]:

@@ -218,7 +218,7 @@ class Replay:
         }
         used = [part for task in self._tasks if (part := keeping.part_of(task)) is not None]
         wheels, measured = self._target.join(self._heading, used)
-        if not (self._target.is_folder or keeping.refused):
+        if not (self._target.is_folder or refused):
             parts.remove()
         return ReplayReport(
             out=self._target.out,

@@ -1,5 +1,6 @@
 """The blocks of code in README and handbook, and a shell that runs them as a reader would."""
 
+import contextlib
 import os
 import re
 import shlex
@@ -7,6 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,24 +103,26 @@ class ReadersShell:
             )
 
     def wait(self) -> None:
-        """Wait until all blocks are run, or one has failed."""
-        try:
+        """Wait until all blocks are run, or one has failed; then end what is left."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
             self._bash.wait(_LONGEST_S)
-        except subprocess.TimeoutExpired:
-            pass
-        finally:
-            self.end()
+        self.end()
 
     def end(self) -> None:
         """End what still runs; safe to call twice."""
         for end in (signal.SIGTERM, signal.SIGKILL):
-            try:
+            with contextlib.suppress(ProcessLookupError):
                 os.killpg(self._bash.pid, end)
-                self._bash.wait(_ENDING_S)
-            except ProcessLookupError:
-                return
-            except subprocess.TimeoutExpired:
-                continue
+                self._wait_for_all(_ENDING_S)
+        self._bash.wait(_ENDING_S)
+
+    def _wait_for_all(self, seconds: float) -> None:
+        """Wait for bash and all it began; ProcessLookupError tells that none is left."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            self._bash.poll()
+            os.killpg(self._bash.pid, 0)
+            time.sleep(0.05)
 
     def ended(self, block: Block) -> bool:
         """Tell whether a block was run to its end."""
@@ -137,9 +141,14 @@ def _lines(blocks: Sequence[Block], port: str) -> Iterator[str]:
             yield f"printf %s {shlex.quote(text)} > {shlex.quote(block.marks['file'])}"
         elif block.runs:
             yield f"echo; echo '{_BEGUN} {block.name}'"
-            # A command that looks for what is wrong may find it: that is its answer.
-            yield f"{{ {text}}} || [ $? = 1 ]" if block.marks.get("exit") == "0,1" else text
+            yield _may_say_no(text) if block.marks.get("exit") == "0,1" else text
             yield f"echo; echo '{_ENDED} {block.name}'"
+
+
+def _may_say_no(text: str) -> str:
+    """Let the last command exit with 1: what looks for something wrong may find it."""
+    before, _, last = text.rstrip("\n").rpartition("\n")
+    return f"{before}\n{{ {last}\n}} || [ $? = 1 ]"
 
 
 def _free_port() -> int:

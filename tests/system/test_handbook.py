@@ -6,11 +6,12 @@ show that the advice is good.
 
 import csv
 import json
+import os
 import tempfile
 from pathlib import Path
 
 import pytest
-from handbook_blocks import PAGES, README, ReadersShell, blocks_of, handbook_blocks
+from handbook_blocks import PAGES, README, Block, ReadersShell, blocks_of, handbook_blocks
 
 IN_HANDBOOK = [block for block in handbook_blocks() if block.runs]
 IN_README = [block for block in blocks_of(README) if block.runs]
@@ -42,6 +43,18 @@ def test_commands_of_the_handbook_do_what_they_say(shells, block):
 def test_commands_of_the_readme_do_what_they_say(shells, block):
     shell = shells["README"]
     assert shell.ended(block), shell.said(block)
+
+
+def test_a_command_that_fails_ends_the_reading_and_what_was_begun(tmp_path):
+    texts = ("sleep 600 &\necho $! > begun", "false", "touch after")
+    blocks = [Block("page", line, "sh", {}, f"{text}\n") for line, text in enumerate(texts)]
+    shell = ReadersShell(tmp_path / "reader", blocks)
+    shell.wait()
+    assert [shell.ended(block) for block in blocks] == [True, False, False]
+    assert not (shell.folder / "after").exists()
+    begun = int((shell.folder / "begun").read_text())
+    with pytest.raises(ProcessLookupError):
+        os.kill(begun, 0)
 
 
 def test_every_page_has_commands_that_are_run():

@@ -89,7 +89,7 @@ def test_metrics_that_alerts_rest_on_are_in_the_table_of_metrics():
     assert named == listed
 
 
-TABLES = [block for block in handbook_blocks() if block.language == "toml"]
+TABLES = [block for block in [*blocks_of(README), *handbook_blocks()] if block.language == "toml"]
 
 
 @pytest.mark.parametrize("block", TABLES, ids=lambda block: block.name)

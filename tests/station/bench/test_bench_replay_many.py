@@ -1,4 +1,4 @@
-"""The bench of replaying many recordings does all of it, on little; its times are no figures here.
+"""The benches that workers do, on little: nothing is lost, figures are those of one process.
 
 What is asked of times is not judged: other work runs on the cores.
 """
@@ -8,16 +8,23 @@ from contextlib import nullcontext
 import pytest
 
 import station.bench.replay_many as replay_many
+from station.bench import bench_paper_draws
+from station.bench.paper_draws import draws_by
+from station.cli.main import build_app, run
 from station.progress import silent
 from station.replay import local_workers
 
 
-@pytest.fixture
-def few_starts(monkeypatch):
-    """Have one worker and two be the same two: to start others takes seconds."""
+@pytest.fixture(scope="module")
+def two_workers():
     with local_workers(2) as workers:
-        monkeypatch.setattr(replay_many, "local_workers", lambda _count: nullcontext(workers))
-        yield
+        yield workers
+
+
+@pytest.fixture
+def few_starts(monkeypatch, two_workers):
+    """Have one worker and two be the same two: to start others takes seconds."""
+    monkeypatch.setattr(replay_many, "local_workers", lambda _count: nullcontext(two_workers))
 
 
 @pytest.mark.usefixtures("few_starts")
@@ -25,7 +32,7 @@ def test_nothing_is_lost_or_doubled_whatever_happens_to_workers_and_recordings()
     rows = replay_many.bench_replay_many(silent, short=True).rows
     held = {row["what"]: row["holds"] for row in rows}
     times = [what for what in held if what.endswith(("times", "share more"))]
-    assert len(times) == 3
+    assert len(times) == 4
     assert {what: holds for what, holds in held.items() if what not in times} == {
         "bytes of the table that differ by the number of workers": True,
         "recordings lost with a killed worker": True,
@@ -34,3 +41,15 @@ def test_nothing_is_lost_or_doubled_whatever_happens_to_workers_and_recordings()
         "others in the table": True,
         "memory of a worker after 2, 20 frames at once, MB": True,
     }
+
+
+def test_draws_are_the_same_whoever_does_them(two_workers):
+    alone = bench_paper_draws(silent, draws=7, poses=4)
+    shared = draws_by(two_workers, silent, draws=7, poses=4, seed=1)
+    assert shared.rows == alone.rows
+    assert [row["draws solved"] for row in alone.rows] == [7, 7, 7]
+
+
+def test_a_cluster_is_of_the_bench_that_draws(capsys):
+    assert run(build_app("bench"), ["bench", "stripe", "--cluster=tcp://127.61.0.1:9"]) == 2
+    assert "--cluster is of `station bench paper`" in capsys.readouterr().err

@@ -188,3 +188,18 @@ def test_a_night_against_an_earlier_calibration_is_no_doubt_of_the_present(stati
     code, found = fleet_command("health", "--json")
     assert code == 0
     assert [each["version"] for each in found["sensors"]] == [2]
+
+
+def test_two_stores_that_send_under_one_name_are_told(stations, fleet_command):
+    north, south = stations
+    south.name = "north"
+    south.push()
+    assert rivals(fleet_command) == {"north": 0, "south": 0}  # as after a restore
+    north.push()
+    assert rivals(fleet_command) == {"north": 1, "south": 0}
+    assert "SEVERAL STORES SEND UNDER ITS NAME" in fleet_command("status")[1]
+
+
+def rivals(fleet_command):
+    _, found = fleet_command("status", "--json")
+    return {each["station"]: each["rivals"] for each in found["stations"]}

@@ -120,11 +120,11 @@ def test_hours_of_passes_without_the_fleet_come_when_it_is_there(settings, north
     with Following(settings, url) as following:
         following.until(lambda note: note.why is not None and "fleet init" in note.why)
         for number in range(60):  # a train every six minutes
-            north.train(number)
+            north.train(number, axles=1)
         migrate_fleet(url)
         following.until(lambda note: note.number >= 60)
     fleet = Fleet.open(url)
-    assert counts(fleet) == (60, 120, 120)
+    assert counts(fleet) == (60, 60, 60)
     fleet.close()
 
 
@@ -158,6 +158,6 @@ def test_the_stations_store_is_not_written_to_while_the_fleet_is_away(settings, 
     before = revisions.now()
     with Following(settings, sqlite_url(tmp_path / "no" / "fleet.sqlite")) as following:
         following.until(lambda note: note.why is not None)
-        following.stop.wait(1.5)  # a try or two more
+        following.stop.wait(1.2)  # another try
     assert revisions.now() is before
     revisions.close()

@@ -1,0 +1,142 @@
+"""Is what a calibration says of its own uncertainty true: the paper's simulation drawn many times.
+
+A task is a few draws, and each draw has a seed of its own: the figures are the same whoever does
+them, and however many.
+"""
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib import CalibError, FloatArray, Method, calibrate
+from station.bench.simulation import HEIGHT_PX, SENSOR, TARGET, WIDTH_PX, Noise, Simulation
+from station.errors import StationError
+from station.progress import Progress
+from station.replay import Crew, Failed, Here, workers_at
+from station.tables import Table, Value
+
+_NOISE = Noise(dots_px=0.1, stripe_px=0.1)
+_DRAWS_EACH = 5
+_U95 = 1.96
+
+
+@dataclass(frozen=True, slots=True)
+class _Task:
+    """Draws that are done in one go."""
+
+    seed: int
+    poses: int
+    numbers: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Drawn:
+    """Of one draw and method: error and told sigma of (a, b, c, d), shape (4,); NaN if refused."""
+
+    number: int
+    method: Method
+    error: FloatArray
+    sigma: FloatArray
+
+
+def bench_paper_draws(
+    progress: Progress,
+    *,
+    cluster: str | None = None,
+    draws: int = 200,
+    poses: int = 10,
+    seed: int = 1,
+) -> Table:
+    """Calibrate the paper's simulation with other noise each time, by every method.
+
+    Parameters
+    ----------
+    progress
+        Told where the bench is.
+    cluster
+        Address of a Dask scheduler whose workers do it; this process where not given.
+    draws
+        Of the noise.
+    poses
+        Of the target, the same in all draws.
+    seed
+        Of poses and noise.
+
+    Raises
+    ------
+    InputUnusable
+        If the cluster cannot be used.
+    """
+    crew: AbstractContextManager[Crew]
+    crew = nullcontext(Here()) if cluster is None else workers_at(cluster)
+    with crew as those:
+        return draws_by(those, progress, draws=draws, poses=poses, seed=seed)
+
+
+def draws_by(crew: Crew, progress: Progress, *, draws: int, poses: int, seed: int) -> Table:
+    """Do the same with a crew that is there already.
+
+    Raises
+    ------
+    StationError
+        If a draw could not be done.
+    """
+    numbers = range(draws)
+    tasks = [
+        _Task(seed, poses, tuple(numbers[at : at + _DRAWS_EACH]))
+        for at in range(0, draws, _DRAWS_EACH)
+    ]
+    found: list[_Drawn] = []
+    for done, answer in enumerate(crew.each(_draw, tasks), start=1):
+        if isinstance(answer, Failed):
+            raise StationError(f"draws {answer.task.numbers} could not be done: {answer.why}")
+        found += answer.result
+        progress(done / len(tasks), f"draw {len(found) // len(Method)} of {draws}")
+    found.sort(key=lambda one: one.number)
+    rows = [_row(method, [one for one in found if one.method is method]) for method in Method]
+    notes = (
+        f"{draws} draws of {_NOISE.dots_px:g} px noise on every dot and stripe point, {poses} "
+        f"poses of {TARGET}, camera known, seed {seed}. Told: what each calibration says of "
+        "itself. Inside: how often the true plane's a, b, c, d lie within 1.96 told sigma.",
+    )
+    return Table("Scatter of the light plane, and what calibrations tell of it", rows, notes)
+
+
+def _draw(task: _Task) -> list[_Drawn]:
+    simulation = Simulation.drawn(task.poses, task.seed)
+    return [
+        _solved(simulation, method, task.seed, number)
+        for number in task.numbers
+        for method in Method
+    ]
+
+
+def _solved(simulation: Simulation, method: Method, seed: int, number: int) -> _Drawn:
+    # Every method sees the same noise.
+    views = simulation.noisy(np.random.default_rng([seed, number]), _NOISE).views
+    try:
+        sensor = calibrate(
+            views, TARGET, width=WIDTH_PX, height=HEIGHT_PX, camera=SENSOR.camera, method=method
+        ).sensor
+    except CalibError:
+        return _Drawn(number, method, np.full(4, np.nan), np.full(4, np.nan))
+    error = sensor.plane.coefficients - SENSOR.plane.coefficients
+    return _Drawn(number, method, error, np.sqrt(np.diag(sensor.covariance)[-4:]))
+
+
+def _row(method: Method, drawn: Sequence[_Drawn]) -> dict[str, Value]:
+    errors = np.array([one.error for one in drawn])
+    sigmas = np.array([one.sigma for one in drawn])
+    solved = np.isfinite(errors).all(axis=1)
+    errors, sigmas = errors[solved], sigmas[solved]
+    return {
+        "method": str(method),
+        "draws solved": int(solved.sum()),
+        "normal, RMSE, mrad": 1e3 * float(np.sqrt((errors[:, :3] ** 2).sum(axis=1).mean())),
+        "told, mrad": 1e3 * float(np.sqrt((sigmas[:, :3] ** 2).sum(axis=1).mean())),
+        "d, RMSE, mm": float(np.sqrt((errors[:, 3] ** 2).mean())),
+        "told, mm": float(np.sqrt((sigmas[:, 3] ** 2).mean())),
+        "inside": float((np.abs(errors) <= _U95 * sigmas).mean()),
+    }
