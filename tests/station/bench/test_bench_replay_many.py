@@ -7,9 +7,9 @@ from contextlib import nullcontext
 
 import pytest
 
+import station.bench.paper_draws as paper_draws
 import station.bench.replay_many as replay_many
 from station.bench import bench_paper_draws
-from station.bench.paper_draws import draws_by
 from station.cli.main import build_app, run
 from station.progress import silent
 from station.replay import local_workers
@@ -43,11 +43,12 @@ def test_nothing_is_lost_or_doubled_whatever_happens_to_workers_and_recordings()
     }
 
 
-def test_draws_are_the_same_whoever_does_them(two_workers):
-    alone = bench_paper_draws(silent, draws=7, poses=4)
-    shared = draws_by(two_workers, silent, draws=7, poses=4, seed=1)
+def test_draws_are_the_same_whoever_does_them(two_workers, monkeypatch):
+    alone = bench_paper_draws(silent, draws=3, poses=4)
+    monkeypatch.setattr(paper_draws, "_DRAWS_EACH", 1)
+    shared = paper_draws.draws_by(two_workers, silent, draws=3, poses=4, seed=1)
     assert shared.rows == alone.rows
-    assert [row["draws solved"] for row in alone.rows] == [7, 7, 7]
+    assert [row["draws solved"] for row in alone.rows] == [3, 3, 3]
 
 
 def test_a_cluster_is_of_the_bench_that_draws(capsys):

@@ -66,18 +66,19 @@ def test_what_a_killed_worker_had_is_done_by_another_and_nothing_is_answered_twi
     assert len(answers) == 8
 
 
-def test_a_task_that_kills_every_worker_is_named_and_those_beside_it_are_done(workers):
-    answers = list(workers.each(crew_tasks.die_of_three, range(8)))
-    assert results(answers) == [(n, 2 * n) for n in range(8) if n != 3]
-    (failed,) = (one for one in answers if isinstance(one, Failed))
-    assert failed.task == 3
-    assert "2 workers died of it" in failed.why
+def test_tasks_that_kill_every_worker_are_named_and_those_beside_them_are_done(workers):
+    # Each worker has one that kills it, and one behind that has done nothing.
+    answers = list(workers.each(crew_tasks.die_of_three, [3, 3, 5, 6]))
+    assert results(answers) == [(5, 10), (6, 12)]
+    failed = [one for one in answers if isinstance(one, Failed)]
+    assert [one.task for one in failed] == [3, 3]
+    assert "2 workers died of it" in failed[0].why
 
 
 @pytest.mark.slow
 def test_workers_outlive_no_replay():
     with local_workers(1) as crew:
-        (pid,) = crew._client.run(os.getpid).values()
+        (pid,) = crew.on_each(os.getpid)
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
 
@@ -88,9 +89,11 @@ def test_workers_listen_on_the_loopback_alone(workers):
 
 
 def test_workers_leave_an_interrupt_of_the_terminal_to_the_one_that_replays(workers):
-    for pid in workers._client.run(os.getpid).values():
+    pids = workers.on_each(os.getpid)
+    for pid in pids:
         os.kill(pid, signal.SIGINT)
     assert results(workers.each(crew_tasks.double, range(4))) == [(n, 2 * n) for n in range(4)]
+    assert workers.on_each(os.getpid) == pids
 
 
 @pytest.mark.parametrize("address", ["tcp://127.61.0.1:9", "carrier-pigeon://home"])
