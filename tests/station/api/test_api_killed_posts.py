@@ -23,6 +23,7 @@ from station.store import (
     Recalibration,
     RecalibrationState,
     Recording,
+    RigCalibration,
     SessionState,
     Table,
     activate,
@@ -58,12 +59,21 @@ class Ground:
         with self.served.store.change() as session:
             row = Calibration(
                 id=name, state=CalibrationState.READY, sensor=sensor, target="dots:7x8:12",
-                method="joint", recording_ids={}, created_at=now, job_id="j", document="{}",
+                method="joint", recording_ids={"recordings": []}, created_at=now, job_id="j", document="{}",
             )  # fmt: skip
             session.add(row)
             session.flush()
             if in_force:
                 activate(session, row, sensor=sensor, seen=None, by=STATION, at=now)
+
+    def add_rig_calibration(self, name):
+        with self.served.store.change() as session:
+            session.add(
+                RigCalibration(
+                    id=name, state=CalibrationState.READY, rig="wheel",
+                    created_at=self.served.station.now(), document=true_rig().model_dump_json(),
+                )
+            )  # fmt: skip
 
     def add_session(self, name, sensor):
         now = self.served.station.now()
@@ -145,6 +155,16 @@ def calibrate(_ground, _name):
     return "/v1/calibrations", {"sensor": "inner", "session": "of-inner"}, {}
 
 
+def refuse(ground, name):
+    ground.add_calibration(f"bad-{name}", "inner")
+    return f"/v1/calibrations/bad-{name}/refusal", {"reason": "taken in fog"}, {}
+
+
+def refuse_rig(ground, name):
+    ground.add_rig_calibration(f"bad-{name}")
+    return f"/v1/rig-calibrations/bad-{name}/refusal", {"reason": "taken in fog"}, {}
+
+
 def calibrate_rig(_ground, _name):
     recordings = {sensor: f"recording-of-{sensor}" for sensor in ("inner", "outer")}
     body = {"rig": "wheel", "recordings": recordings, "target": "dots:7x8:12"}
@@ -175,7 +195,9 @@ POSTS = {
     "/v1/calibration-sessions/{session_id}/capture": capture,
     "/v1/calibration-sessions/{session_id}/finish": finish_session,
     "/v1/calibrations": calibrate,
+    "/v1/calibrations/{calibration_id}/refusal": refuse,
     "/v1/rig-calibrations": calibrate_rig,
+    "/v1/rig-calibrations/{calibration_id}/refusal": refuse_rig,
     "/v1/rig-calibrations/files": bring_rig,
     "/v1/recalibrations": recalibrate,
     "/v1/recalibrations/{recalibration_id}/decision": decide,
