@@ -59,7 +59,8 @@ class Ground:
         with self.served.store.change() as session:
             row = Calibration(
                 id=name, state=CalibrationState.READY, sensor=sensor, target="dots:7x8:12",
-                method="joint", recording_ids={"recordings": []}, created_at=now, job_id="j", document="{}",
+                method="joint", recording_ids={"recordings": [], "laser_off": []},
+                created_at=now, job_id="j", document="{}",
             )  # fmt: skip
             session.add(row)
             session.flush()
