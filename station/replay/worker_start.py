@@ -2,12 +2,17 @@
 
 import os
 import signal
+import tempfile
 from typing import Any
 
 from station.processes.lifeline import end_with_parent
 
 
-def dask_setup(_worker: Any) -> None:
-    """End with the process that replays, and leave a terminal's Ctrl-C to it."""
+def dask_setup(worker: Any) -> None:
+    """End with the process that replays, leave a terminal's Ctrl-C to it, and files to its folder.
+
+    What a killed worker had fetched is removed with that folder.
+    """
     end_with_parent(os.getppid(), signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    tempfile.tempdir = str(worker.local_directory)
