@@ -86,7 +86,8 @@ def expected_failures() -> list[str]:
 @pytest.fixture
 def page(chromium, expected_failures) -> Generator[Page]:
     """A page in a browser that knows nothing yet; complaints nobody expected fail the test."""
-    context = chromium.new_context(locale="en-US")
+    # Colours that are on their way from light to dark are neither, and axe would say so.
+    context = chromium.new_context(locale="en-US", reduced_motion="reduce")
     context.set_default_timeout(PATIENCE_MS)
     page = context.new_page()
     complaints = Complaints(expected_failures)
