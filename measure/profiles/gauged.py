@@ -123,7 +123,7 @@ def profile_sigma(profile: Profile) -> FloatArray:
     if (profile.sigma_mm > 0.0).all():
         return profile.sigma_mm
     # Few profiles come without sigmas, and it takes all of scipy.stats along, half a second of it.
-    from scipy.signal import savgol_filter  # noqa: PLC0415
+    from scipy.signal import savgol_filter  # noqa: PLC0415  see above
 
     rest = profile.points_mm - savgol_filter(profile.points_mm, _SMOOTHING_POINTS, 2, axis=0)
     off = np.linalg.norm(rest, axis=1)

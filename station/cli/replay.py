@@ -61,17 +61,7 @@ def replay(
     """
     if cluster is not None and workers is not None:
         raise InputUnusable("--workers is of this machine, --cluster of others; give one of them")
-    calibrations = [CalibrationDocument.read(path) for path in calibration or ()]
-    rigs = [RigDocument.read(path) for path in rig or ()]
-    means = Means.of(
-        calibrations,
-        rigs=rigs,
-        reference=reference,
-        limits=limits_in_force(config),
-        sides=sides_known(config, calibrations),
-        max_skew_us=skews_known(config),
-    )
-    planned = Replay(sources, means, out)
+    planned = Replay(sources, _means(calibration, rig, reference, config), out)
     if dry_run:
         forecast = planned.forecast()
         emit(forecast.to_json(), _forecast_text(forecast), as_json=as_json)
@@ -85,6 +75,21 @@ def replay(
         raise NothingMeasurable(
             f"none of {report.wheels} wheels could be measured; {out} has the reasons"
         )
+
+
+def _means(
+    calibrations: list[Path] | None, rigs: list[Path] | None, reference: str, config: Path | None
+) -> Means:
+    """Return what to measure with, of the files named on the command line."""
+    documents = [CalibrationDocument.read(path) for path in calibrations or ()]
+    return Means.of(
+        documents,
+        rigs=[RigDocument.read(path) for path in rigs or ()],
+        reference=reference,
+        limits=limits_in_force(config),
+        sides=sides_known(config, documents),
+        max_skew_us=skews_known(config),
+    )
 
 
 def _refuse_refused(refused: Sequence[Refusal], others: int, what: str) -> None:

@@ -72,7 +72,7 @@ class _Link:
         )
         try:
             return pusher.push(stop)
-        except Exception:
+        except Exception:  # whatever it was goes on to who asked; here the connection is let go
             # Its schema may be another when it is back.
             self._fleet.close()
             self._fleet = None

@@ -62,7 +62,7 @@ class Here:
                 yield Done(task, work(task))
             except StationError:
                 raise
-            except Exception as error:
+            except Exception as error:  # whatever is wrong with one task, the others are done
                 yield Failed(task, _named(error))
 
 
@@ -193,7 +193,7 @@ def _answer(future: Any, task: Task) -> "Done[Task, Any] | Failed[Task] | _Kille
         raise InputUnusable(
             "the cluster's scheduler is gone; start it and replay again, what was measured stays"
         ) from error
-    except Exception as error:
+    except Exception as error:  # whatever it was at the worker, the others are done
         return Failed(task, _named(error))
 
 

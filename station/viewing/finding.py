@@ -68,7 +68,7 @@ class Finder:
             self._growing.popitem(last=False)[1].close()
         try:
             return newest.found()
-        except Exception:
+        except Exception:  # whatever it was goes on to who asked
             self._forget(path)  # the next who asks begins anew
             raise
 
