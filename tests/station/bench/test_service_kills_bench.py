@@ -196,7 +196,12 @@ def test_everything_that_is_left_over_is_named(ground, station, tmp_path):
     for name in ("treadline-now", "treadline-of-a-killed-one"):
         (tmp_path / name).mkdir()
     own = os.environ | {"TMPDIR": str(tmp_path)}
-    with subprocess.Popen([sys.executable, "-c", "input()"], env=own, stdin=subprocess.PIPE) as one:
+    # A process that has just begun shows an empty environment for a moment: it speaks first.
+    speaks_and_waits = [sys.executable, "-c", "print('here', flush=True); input()"]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(speaks_and_waits, env=own, stdin=pipe, stdout=pipe) as one:
+        assert one.stdout is not None
+        assert one.stdout.readline() == b"here\n"
         found = left_over(station, store)
         assert station.orphans() == {one.pid}
         assert parent_of(one.pid) == os.getpid()
