@@ -6,9 +6,9 @@ fail() { printf 'deploy: %s\n' "$*" >&2; exit 2; }
 
 # Aravis comes as a GObject typelib; PyGObject from pip would need headers and a compiler.
 DEBIAN_PACKAGES=(python3-venv python3-gi gir1.2-aravis-0.8)
-# The tests start a server of their own, in a folder of their own, run the calls that README and handbook show, and open the
+# The tests start servers of their own, in folders of their own, run the calls that README and handbook show, and open the
 # page in a browser.
-DEBIAN_PACKAGES_OF_TESTS=(postgresql curl chromium)
+DEBIAN_PACKAGES_OF_TESTS=(postgresql nginx curl chromium)
 
 lock_of() { if [ "$1" = test ]; then echo deploy/test.lock; else echo requirements.lock; fi; }
 
@@ -24,11 +24,17 @@ missing_debian_packages() {
     done
 }
 
-# Debian's postgresql would make and start a server for the whole machine.
-forbid_server_of_machine() {
-    [ -e /etc/postgresql-common ] && return 0
-    "$@" mkdir -p /etc/postgresql-common/createcluster.d
-    echo 'create_main_cluster = false' | "$@" tee /etc/postgresql-common/createcluster.d/treadline.conf >/dev/null
+# Debian's postgresql would make and start a server for the whole machine, its nginx take port 80.
+forbid_servers_of_machine() {
+    if [ ! -e /etc/postgresql-common ]; then
+        "$@" mkdir -p /etc/postgresql-common/createcluster.d
+        echo 'create_main_cluster = false' | "$@" tee /etc/postgresql-common/createcluster.d/treadline.conf >/dev/null
+    fi
+    if [ ! -e /etc/nginx ] && [ ! -e /etc/systemd/system/nginx.service ]; then
+        "$@" mkdir -p /etc/systemd/system
+        "$@" ln -s /dev/null /etc/systemd/system/nginx.service
+        say "nginx is not started on this machine; whoever wants it types: systemctl unmask nginx"
+    fi
 }
 
 install_debian_packages() {
@@ -40,7 +46,7 @@ install_debian_packages() {
         command -v sudo >/dev/null || fail "missing Debian packages: $missing; run as root once: apt-get install $missing"
         as_root=(sudo)
     fi
-    [[ $missing != *postgresql* ]] || forbid_server_of_machine "${as_root[@]}"
+    [ "$1" = run ] || forbid_servers_of_machine "${as_root[@]}"
     say "installing Debian packages: $missing"
     log=$(mktemp)
     # shellcheck disable=SC2086  # a list of names
