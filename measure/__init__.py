@@ -43,6 +43,8 @@ from measure.profiles.new_wheel import (
 from measure.profiles.text import parse_profile_csv, parse_profile_text
 from measure.quantities import OF_A_PROFILE, Alarm, Quantity, Reading, Status
 from measure.reference import ReferenceProfile
+from measure.relaid import relaid
+from measure.shifts import Installation, ReadingShifts, Shift, reading_shifts
 from measure.shot import MAX_SKEW_S, Shot, ShotJoiner, WheelFrame, each_shot, group_into_shots
 from measure.train import (
     COMPARED,
@@ -95,6 +97,7 @@ __all__ = [
     "Diameter",
     "Difference",
     "GaugeLevels",
+    "Installation",
     "Jump",
     "Limit",
     "Limits",
@@ -119,6 +122,7 @@ __all__ = [
     "Quantity",
     "Rate",
     "Reading",
+    "ReadingShifts",
     "ReferenceInvalid",
     "ReferenceProfile",
     "ReferenceUnknown",
@@ -153,6 +157,7 @@ __all__ = [
     "measure_wheel_on_rig",
     "MAX_SKEW_S",
     "SensorShare",
+    "Shift",
     "Shot",
     "ShotJoiner",
     "TreadPoint",
@@ -162,8 +167,10 @@ __all__ = [
     "parse_miniprof",
     "parse_profile_csv",
     "parse_profile_text",
+    "reading_shifts",
     "reference_of_new_wheels",
     "reference_profile",
+    "relaid",
     "rig_from_piece",
     "spread",
     "wheel_diameter",

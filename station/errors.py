@@ -11,6 +11,7 @@ StationError
 │   ├── RecordingUnreadable  not a recording, cut short, or damaged
 │   └── DiskFull           no space left for what arrives
 ├── StoreUnusable          the database is damaged, out of reach, or busy for too long
+│   └── StoreNewer         a newer version of the station has made it
 ├── NotFound               a name the station does not know
 ├── StateConflict          a command the present state forbids
 ├── VersionConflict        somebody else changed it since the caller read it
@@ -65,6 +66,10 @@ class DiskFull(RecordingError):
 
 class StoreUnusable(StationError):
     """The database is damaged, out of reach, or busy for too long."""
+
+
+class StoreNewer(StoreUnusable):
+    """A newer version of the station has made the database."""
 
 
 class NotFound(StationError):

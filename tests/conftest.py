@@ -6,10 +6,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 # The same examples on every machine and every day: a red run is a change, not a draw.
-settings.register_profile("fixed", derandomize=True)
+# Nor may it be a busy host: how long an example takes is asked by no test.
+settings.register_profile(
+    "fixed", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("fixed")
 
 

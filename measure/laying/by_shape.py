@@ -18,6 +18,7 @@ from measure.laying.by_axle import (
     place_of_flange,
 )
 from measure.laying.section import Section, SheetMap, SheetPoints
+from measure.laying.shape_doubt import ShapeDoubt
 from measure.placing.flange import Voters, find_flanges
 from measure.placing.template import Template
 
@@ -30,11 +31,6 @@ _ROUNDS = 12
 _NEAR_MM = 3.0
 _HUBER_MM = 0.1
 _PAST_TIP_MM = 2.0
-# The flange's shape tells the rotation as well as real flanges keep to their drawing: 0.1 mm
-# over 30 mm.
-_SIGMA_ROTATION_RAD = 3e-3
-# An axle 20 mm off the sheet shortens heights by 20^2 / 2 R^2.
-_SIGMA_HEIGHT_SCALE = 1.1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +69,9 @@ def lay_by_shape(sheet: SheetPoints, of: RigSensor, template: Template) -> Layin
     section = Section.of(wheel, lie.map(sensor))
     if (misshapen := out_of_form(section, shift, template)) is not None:
         return misshapen
-    y, z = (section.points_mm - shift).T
-    turn = np.stack([z, -y], axis=1) * _SIGMA_ROTATION_RAD
-    squeeze = np.stack([np.zeros_like(z), z], axis=1) * _SIGMA_HEIGHT_SCALE
+    doubt = ShapeDoubt.of(section, shift, template)
+    if doubt.refusal is not None:
+        return Unmeasured(doubt.refusal)
     laid = Laid(
         sensor=of,
         sheet=wheel,
@@ -84,8 +80,8 @@ def lay_by_shape(sheet: SheetPoints, of: RigSensor, template: Template) -> Layin
         along_mm=kept.along_mm,
         noise=kept.noise,
         left_out=kept.left_out,
-        once_mm=squeeze[:, :, None],
-        shared_mm=turn[:, :, None],
+        once_mm=np.zeros((len(wheel), 2, 0)),
+        shared_mm=doubt.motions_mm,
         by_vibration_mm={},
         tread=None,
         axle=None,

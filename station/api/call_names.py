@@ -3,7 +3,7 @@
 import hashlib
 from datetime import UTC, datetime
 
-from station.store import Call
+from station.store.callers import Call
 
 _LETTERS = 32
 

@@ -7,7 +7,7 @@ from fastapi import Depends, Request, Security
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 
 from station.errors import ScopeMissing
-from station.store import Caller, Scope
+from station.store.callers import Caller, Scope
 
 # For the contract; what it finds is not used.
 _bearer = HTTPBearer(auto_error=False, description="A key of the station.")

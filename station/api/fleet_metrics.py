@@ -8,7 +8,7 @@ from prometheus_client.registry import Collector
 from station.api.families import gauge
 from station.fleet import read_note
 from station.operations import Station
-from station.store import changes_left
+from station.store.changes import changes_left
 
 
 class FleetCollector(Collector):

@@ -15,7 +15,7 @@ from station.api.refusals import TooManyBadKeys
 from station.api.throttle import Throttle
 from station.errors import KeyRefused
 from station.operations import Station
-from station.store import (
+from station.store.callers import (
     Caller,
     Scope,
     caller_logged_in,

@@ -14,7 +14,7 @@ from station.api.gate import Gate
 from station.api.logins import CSRF_HEADER, LoggedIn, cookie_in
 from station.api.problems import problem_answer
 from station.errors import KeyRefused
-from station.store import Caller
+from station.store.callers import Caller
 
 LOGIN: Final = "/login"
 OPEN: Final = frozenset({"/healthz", "/readyz", LOGIN})

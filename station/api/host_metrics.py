@@ -12,7 +12,8 @@ from station.api.families import counters, gauge, gauges
 from station.operations import Station
 from station.processes.tally import read_tally
 from station.storage import GB, recordings_bytes
-from station.store import database_bytes, file_of
+from station.store import file_of
+from station.store.watched import database_bytes
 
 _WALK_EVERY_S = 60.0
 """The folder of recordings may hold a hundred thousand files."""

@@ -24,14 +24,8 @@ from station.api.problems import problem_answer
 from station.api.refusals import CallInProgress, IdempotencyKeyReused
 from station.errors import InputUnusable, StationError
 from station.operations import Station
-from station.store import (
-    Call,
-    KeptAnswer,
-    Standing,
-    begin_call,
-    forget_call,
-    keep_answer,
-)
+from station.store import KeptAnswer
+from station.store.callers import Call, Standing, begin_call, forget_call, keep_answer
 
 HEADER: Final = "Idempotency-Key"
 REPLAYED: Final = "Idempotency-Replayed"

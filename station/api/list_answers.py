@@ -19,12 +19,12 @@ from station.store import (
     Calibration,
     CalibrationSession,
     Job,
-    Page,
     Pass,
     Recording,
     RigActivation,
     RigCalibration,
 )
+from station.store.lists import Page
 
 
 class _PageModel(Out):

@@ -19,12 +19,10 @@ from starlette.types import Scope
 
 from station.api.gate import Gate
 from station.operations import Station
-from station.store import (
-    Action,
-    Actor,
+from station.store import Action, Actor, audit
+from station.store.callers import (
     OpenLogin,
     add_login,
-    audit,
     digest,
     end_login,
     end_login_named,

@@ -9,7 +9,7 @@ from fastapi import Query
 from pydantic import AfterValidator, AwareDatetime, BeforeValidator
 
 from station.errors import InputUnusable
-from station.store import Cursor, Span
+from station.store.lists import Cursor, Span
 
 Row = TypeVar("Row")
 

@@ -7,13 +7,8 @@ from typing import Self
 from station.api.answers import Out
 from station.api.paging import next_of
 from station.recalibration import Action, Outcome
-from station.store import (
-    Activation,
-    Calibration,
-    Page,
-    Recalibration,
-    RecalibrationState,
-)
+from station.store import Activation, Calibration, Recalibration, RecalibrationState
+from station.store.lists import Page
 
 
 class RecalibrationModel(Out):

@@ -11,17 +11,8 @@ from station.api.families import Values, by_sensor, gauges
 from station.documents import CalibrationDocument, RigDocument
 from station.operations import Station
 from station.recalibration import Outcome
-from station.store import (
-    Calibration,
-    Recalibration,
-    RigCalibration,
-    active,
-    active_rig,
-    alarm_of,
-    asking_recalibrations,
-    last_decided,
-    the,
-)
+from station.store import Calibration, Recalibration, RigCalibration, active, active_rig, the
+from station.store.recalibrations import alarm_of, asking_recalibrations, last_decided
 
 _DIFFERENCES = (
     ("difference", "sheet_rms_mm", "RMS difference that the last recalibration found."),

@@ -9,9 +9,8 @@ from sqlalchemy.orm import Session
 
 from station.api.families import Values, gauges
 from station.operations import Station
-from station.store import (
-    Job,
-    Pass,
+from station.store import Job, Pass
+from station.store.watched import (
     counts_by_state,
     frame_totals,
     last_measured_pass,

@@ -50,7 +50,7 @@ def restore_backup(layout: DataLayout, backup: Path, *, by: Actor, at: datetime)
         If it is no whole backup, or one of the other kind of database.
     StoreUnusable
         If the disk or the database does not take it.
-    StationError
+    StoreNewer
         If it is of a newer version of the station.
     """
     digest = ensure_checksum(backup)
@@ -90,6 +90,7 @@ def _replace_file(layout: DataLayout, file: Path, backup: Path, aside: Path) -> 
     new = file.with_name(f"{file.name}.restoring")
     shutil.copyfile(backup, new)
     try:
+        _give_to_owner(new, file.parent)
         sqlite_files.ensure_whole(new)
         revision = _revision(sqlite_url(new), backup)
         sqlite_files.flush(new)
@@ -103,6 +104,13 @@ def _replace_file(layout: DataLayout, file: Path, backup: Path, aside: Path) -> 
     finally:
         new.unlink(missing_ok=True)
     return revision
+
+
+def _give_to_owner(file: Path, folder: Path) -> None:
+    """Let the station's user have what root brings back: the station could not write to it."""
+    if os.geteuid() == 0:
+        owner = folder.stat()
+        os.chown(file, owner.st_uid, owner.st_gid)
 
 
 def _keep_aside(file: Path, aside: Path) -> None:

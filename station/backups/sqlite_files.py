@@ -50,6 +50,17 @@ def ensure_whole(path: Path) -> None:
         raise InputUnusable(f"{path}: damaged ({' '.join(why.split())}); give another backup")
 
 
+def revision_in(path: Path) -> str | None:
+    """Return the revision of a copy without touching it; None of a file that is none."""
+    try:
+        uri = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
+        with closing(sqlite3.connect(uri, uri=True)) as copy:
+            revision: str = copy.execute("SELECT version_num FROM alembic_version").fetchone()[0]
+    except (sqlite3.DatabaseError, TypeError):  # a table without a row
+        return None
+    return revision
+
+
 def fold_log(path: Path) -> None:
     """Bring what the write-ahead log holds into the file, as far as a damaged one lets it."""
     try:

@@ -58,12 +58,12 @@ class CaptureClient:
         self._ask({"do": "arm", "plan": plan.to_json()})
 
     def look(self) -> Look:
-        """Have an idle camera take one picture that is recorded nowhere; the caller closes it.
+        """Have the camera take one picture that is recorded nowhere; the caller closes it.
 
         Raises
         ------
         StateConflict
-            If the sensor is not idle.
+            If the sensor is not idle, nor between two triggers of a recording that allows it.
         CameraError
             If no whole picture comes of it.
         """

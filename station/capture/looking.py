@@ -1,4 +1,4 @@
-"""One picture taken through the camera and recorded nowhere: to aim it, and to turn its lens ring.
+"""One picture taken through the camera and recorded nowhere: to aim, to focus, to hold a target.
 
 Nothing else is done meanwhile: whoever orders something else waits for one exposure at most.  The
 picture leaves the process in memory without a name, so that nothing is left behind by a look.
@@ -22,7 +22,7 @@ _SILENT = "the camera stopped answering; check its power and cable"
 
 
 def take_look(camera: Camera, ring: Ring) -> Look:
-    """Have an idle camera expose once, as its settings say; return the picture.
+    """Have a camera that does not acquire expose once, as its settings say; return the picture.
 
     Parameters
     ----------

@@ -69,7 +69,8 @@ def open_stream(camera: Any) -> OpenStream | None:
 def _may_open_packet_socket() -> bool:
     try:
         socket.socket(socket.AF_PACKET, socket.SOCK_RAW).close()
-    except PermissionError:
+    except OSError:
+        # Without the right to it EPERM; EAFNOSUPPORT where the service's unit forbids the family.
         return False
     return True
 

@@ -71,6 +71,9 @@ class RecordingPlan:
     """Space on the disk that no frame takes."""
     goes_on: Interruption | None = None
     """What is there already, where a process that is gone had begun the recording."""
+    looks: bool = False
+    """Whether the camera may be looked through between two triggers: between poses of a target, not
+    while wheels come."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "trigger", Trigger(self.trigger))
@@ -78,6 +81,8 @@ class RecordingPlan:
         object.__setattr__(self, "sequence", tuple(self.sequence))
         if self.sequence and self.trigger is not Trigger.SOFTWARE:
             raise ValueError("an exposure sequence needs the trigger `software`")
+        if self.looks and self.trigger is not Trigger.SOFTWARE:
+            raise ValueError("looks between two triggers need the trigger `software`")
         if not (self.frames is None or self.frames > 0):
             raise ValueError(f"frames must be 1 or more, got {self.frames}")
         if not (self.seconds is None or self.seconds > 0.0):
@@ -101,6 +106,7 @@ class RecordingPlan:
             "rotation": asdict(self.rotation),
             "reserve_bytes": self.reserve_bytes,
             "goes_on": None if self.goes_on is None else self.goes_on.to_json(),
+            "looks": self.looks,
         }
 
     @classmethod

@@ -25,7 +25,7 @@ _REFUSABLE = (KeyError, TypeError, ValueError)
 _ALLOWED: dict[str, frozenset[CaptureState]] = {
     "status": frozenset(CaptureState),
     "arm": frozenset({CaptureState.UNAVAILABLE, CaptureState.IDLE, CaptureState.RECORDED}),
-    "look": frozenset({CaptureState.IDLE}),
+    "look": frozenset({CaptureState.IDLE, CaptureState.RECORDING}),
     "trigger": frozenset({CaptureState.RECORDING}),
     "finish": frozenset({CaptureState.RECORDING, CaptureState.BLIND, CaptureState.RECORDED}),
     "shutdown": frozenset(CaptureState),

@@ -16,6 +16,7 @@ from station.capture.session import CaptureSession
 from station.capture.status import CaptureState, CaptureStatus
 from station.capture.triggering import Triggering
 from station.errors import CameraError, CameraLost, CameraRefused, StateConflict, StationError
+from station.recording import EventKind
 from station.settings import SensorSettings
 
 _COUNTED = ("recorded", "lost", "refused", "repeated", "resent_packets")
@@ -106,13 +107,37 @@ class SensorCapture:
         self._triggering = Triggering(self._session)
 
     def look(self) -> Look:
-        """Take one picture that is recorded nowhere, the camera being idle; see `take_look`."""
+        """Take one picture that is recorded nowhere; see `take_look`.
+
+        The camera is idle, or waits for a command to record the next pose of a target.
+
+        Raises
+        ------
+        StateConflict
+            If a recording runs that does not allow it, or takes a frame just now.
+        """
+        session = self._session
+        if session is not None:
+            self._ensure_lookable(session)
         camera, ring, _ = self._keeper.ensure_open()
         try:
-            return take_look(camera, ring)
+            return take_look(camera, ring) if session is None else session.look(camera)
         except CameraLost as error:
+            if session is not None:
+                session.camera_lost(EventKind.CAMERA_LOST, str(error))
             self._keeper.drop(str(error))
             raise
+
+    def _ensure_lookable(self, session: CaptureSession) -> None:
+        if not session.plan.looks:
+            raise StateConflict(
+                f"sensor {self._sensor} is recording; `look` needs it to be idle, or in a "
+                "calibration session",
+                state=str(self.state),
+            )
+        taking = self._triggering is not None and self._triggering.busy
+        if taking or self._finishing is not None:
+            raise StateConflict("a picture is being taken; look again", state=str(self.state))
 
     def trigger(self, answer: Answer) -> None:
         """Take a frame, or a group of them; answer with the last one's id."""

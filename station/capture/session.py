@@ -9,11 +9,13 @@ from station.capture.camera import Camera
 from station.capture.clock import CameraClock, ClockSource
 from station.capture.intake import Intake
 from station.capture.link import RecorderDied, RecorderLink
+from station.capture.look import Look
+from station.capture.looking import take_look
 from station.capture.plan import CaptureReport, RecordingPlan, Trigger
 from station.capture.ring import Ring
 from station.capture.sequence import Sequencer
-from station.capture.status import CaptureStatus
-from station.errors import StationError
+from station.capture.status import CaptureState, CaptureStatus
+from station.errors import StateConflict, StationError
 from station.recording import Event, EventKind
 from station.software import SOFTWARE
 
@@ -45,6 +47,7 @@ class CaptureSession:
         self.sequencer = Sequencer(plan.sequence)
         self._ring = ring
         self._link = link
+        self._resting = False
         link.open(plan, _metadata(plan, camera))
         self.intake = Intake(
             link, range(ring.slots), plan.frames, exposure_of=self.sequencer.values_of
@@ -93,6 +96,41 @@ class CaptureSession:
         sample = camera.clock_sample()
         if sample is not None:
             self.intake.learn_time(sample)
+
+    def look(self, camera: Camera) -> Look:
+        """Take one picture that is not recorded, between two triggers; see `take_look`.
+
+        The camera then rests, until `wake`: who looks again and again has it started once a look.
+
+        Raises
+        ------
+        StateConflict
+            If frames of the recording are on their way.
+        CameraLost, CameraError
+            As of `take_look`; the recording is as it was.
+        """
+        if not self._resting:
+            self._rest(camera)
+        return take_look(camera, self._ring)
+
+    def wake(self, camera: Camera) -> None:
+        """Have a camera that somebody looked through acquire again; raises what the camera does.
+
+        It numbers its frames anew; in the recording they go on behind the last one.
+        """
+        if self._resting:
+            self.intake.account.begin_again()
+            self._start(camera)
+
+    def _rest(self, camera: Camera) -> None:
+        if self.intake.in_flight or self.intake.unwritten:
+            raise StateConflict(
+                "frames of the recording are on their way; look again",
+                state=str(CaptureState.RECORDING),
+            )
+        self._stop(camera)
+        self._settle()  # the look needs a slot of the ring in which nothing waits to be written
+        self._resting = True
 
     @property
     def silence_allowed_s(self) -> float:
@@ -157,6 +195,7 @@ class CaptureSession:
         exposure_us = camera.exposure_us
         self._silence_allowed_s = self._longest_silence_s(camera, exposure_us)
         stream = camera.start(self.plan.trigger, self._ring, free)
+        self._resting = False
         self.sequencer.camera_started()
         self.intake.attach(stream, CameraClock(camera.tick_frequency_hz, round(exposure_us * 1e3)))
         for _ in range(_FIRST_CLOCK_SAMPLES):
@@ -176,7 +215,7 @@ class CaptureSession:
             self.intake.note(Event(EventKind.CLOCK_MISSING, time.time_ns(), detail))
 
     def _stop(self, camera: Camera | None) -> None:
-        if camera is not None:
+        if camera is not None and not self._resting:
             camera.stop()
         deadline = time.monotonic() + _LAST_FRAMES_S
         while self.intake.in_flight and time.monotonic() < deadline:

@@ -33,6 +33,11 @@ class Triggering:
         self._session = session
         self._waiting: _Waiting | None = None
 
+    @property
+    def busy(self) -> bool:
+        """Whether a group is being taken."""
+        return self._waiting is not None
+
     def begin(self, camera: Camera, answer: Answer) -> None:
         """Take the first frame of a group; `step` goes on with it, and answers.
 
@@ -47,6 +52,7 @@ class Triggering:
             raise StateConflict(
                 "a trigger is under way; wait for its frame", state=str(CaptureState.RECORDING)
             )
+        self._session.wake(camera)
         self._session.sequencer.begin()
         self._fire(camera, answer)
 

@@ -10,7 +10,8 @@ from station.cli.output import AsJson, emit
 from station.errors import InputUnusable
 from station.operations import DataLayout
 from station.settings import load_settings
-from station.store import AuditEntry, Store, audit_page, revision_of
+from station.store import AuditEntry, Store, revision_of
+from station.store.lists import audit_page
 
 _PAGE = 1000
 

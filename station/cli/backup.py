@@ -11,6 +11,7 @@ from station.cli.output import AsJson, emit, progress_bar
 from station.errors import InputUnusable
 from station.operations import DataLayout, utc_now
 from station.settings import load_settings
+from station.store import revision_of
 
 
 def backup(
@@ -27,6 +28,9 @@ def backup(
         int | None,
         typer.Option(min=1, metavar="N", help="Of those in the folder keep the N newest alone."),
     ] = None,
+    if_any: Annotated[
+        bool, typer.Option("--if-any", help="Where there is no store yet, be content.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Write the store into a file, while the station runs: all it knows but the recordings.
@@ -38,6 +42,9 @@ def backup(
             f"--keep is of a folder and {out} is none; make it, or leave --keep out"
         )
     layout = DataLayout.of(load_settings(config))
+    if if_any and revision_of(layout.store_url) is None:
+        emit({"path": None}, "there is no store yet: nothing to back up", as_json=as_json)
+        return
     with progress_bar("backup") as progress:
         progress(0.0, "writing and checking")
         made = make_backup(layout.store_url, next_in(out, utc_now()) if out.is_dir() else out)

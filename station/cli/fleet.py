@@ -3,7 +3,7 @@
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import asdict
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,12 +12,13 @@ from sqlalchemy.orm import Session
 
 from station.cli.fleet_text import health_text, status_text, trend_text
 from station.cli.output import AsJson, emit
-from station.errors import NotFound, NothingMeasurable
+from station.errors import NotFound, NothingMeasurable, StoreUnusable
 from station.fleet import (
     MOST_PASSES,
     Fleet,
     FleetQuantity,
     FleetTrend,
+    Wear,
     ensure_given,
     ensure_ready,
     fleet_revision,
@@ -109,6 +110,39 @@ def wheelset_trend(
     emit(_trend_as_data(trend), trend_text(trend), as_json=as_json)
 
 
+@app.command("page")
+def fleet_page(
+    out: Annotated[
+        Path, typer.Option(metavar="FOLDER", help="Where the pages go; index.html is the first.")
+    ],
+    last: Annotated[
+        int, typer.Option(min=2, max=MOST_PASSES, help="Passes of each wheel, the newest.")
+    ] = 100,
+    due_after_days: Annotated[
+        int, typer.Option("--due-after", min=1, help="Days after which a calibration is due.")
+    ] = 365,
+    url: Url = None,
+    config: Config = _DEFAULT_CONFIG,
+    as_json: AsJson = False,
+) -> None:
+    """Write what the fleet knows as a folder of pages, for any web server or none.
+
+    Run again it writes what has changed.  Where the database is not reached, the pages stay as
+    they are and the first says so; exit 2.
+    """
+    from station.fleet.pages import note_unreached, write_pages  # noqa: PLC0415  they take long
+
+    due_after = timedelta(days=due_after_days)
+    try:
+        with _asked(url, config) as session:
+            found = write_pages(session, out, last=last, due_after=due_after)
+    except StoreUnusable as error:
+        note_unreached(out, str(error))
+        raise
+    text = f"{out}: {found.pages} pages, {found.written} new or changed, {found.removed} removed"
+    emit(asdict(found), text, as_json=as_json)
+
+
 @contextmanager
 def _asked(url: str | None, config: Path) -> Generator[Session]:
     given = _url(url, config)
@@ -150,6 +184,7 @@ def _quantity_as_data(found: FleetQuantity) -> dict[str, Any]:
     return {
         "values": [_plain(asdict(value)) for value in found.values],
         "compared": found.compared,
+        "wear": None if found.wear is None else _wear_as_data(found.wear),
         "agreement": None
         if agreement is None
         else {
@@ -159,6 +194,15 @@ def _quantity_as_data(found: FleetQuantity) -> dict[str, Any]:
                 {**asdict(offset), "agrees": offset.agrees} for offset in agreement.offsets
             ],
         },
+    }
+
+
+def _wear_as_data(wear: Wear) -> dict[str, Any]:
+    return {
+        "held_against": wear.held_against,
+        "level_mm": wear.level_mm,
+        "u95_mm": wear.u95_mm,
+        "per_day": asdict(wear.per_day),
     }
 
 

@@ -1,13 +1,17 @@
 """The fleet in lines for people."""
 
 from collections.abc import Sequence
-from datetime import datetime
 
-from station.fleet import FleetQuantity, FleetTrend, SensorHealth, StationState
-
-_DAY_S = 86_400.0
-_CLOCK_S = 5.0
-"""Beyond it a clock is worth a word; the way to the fleet is part of what is seen."""
+from station.fleet import (
+    FleetQuantity,
+    FleetTrend,
+    SensorHealth,
+    StationState,
+    figure,
+    moment,
+    remarks_on,
+    span,
+)
 
 
 def status_text(states: Sequence[StationState]) -> str:
@@ -21,26 +25,12 @@ def status_text(states: Sequence[StationState]) -> str:
 def _state(state: StationState) -> tuple[str, ...]:
     return (
         state.station,
-        f"{_span(state.silent_s)} ago",
+        f"{span(state.silent_s)} ago",
         str(state.unsent),
         str(state.passes),
-        _moment(state.last_pass_at),
-        "; ".join(_remarks(state)) or "-",
+        moment(state.last_pass_at),
+        "; ".join(remarks_on(state)) or "-",
     )
-
-
-def _remarks(state: StationState) -> list[str]:
-    clock = state.clock_ahead_s
-    found = {
-        f"calibration in doubt: {', '.join(state.doubtful)}": bool(state.doubtful),
-        f"{state.alarms} alarms in its last pass": state.alarms > 0,
-        f"its clock is {_span(abs(clock))} {'ahead' if clock > 0 else 'behind'}": abs(clock)
-        > _CLOCK_S,
-        f"{state.refused} changes not taken": state.refused > 0,
-        f"epoch {state.epochs} of its store": state.epochs > 1,
-        "SEVERAL STORES SEND UNDER ITS NAME": state.rivals > 0,
-    }
-    return [text for text, holds in found.items() if holds]
 
 
 def health_text(healths: Sequence[SensorHealth]) -> str:
@@ -67,12 +57,12 @@ def _health(health: SensorHealth) -> tuple[str, ...]:
         health.station,
         health.name if health.of == "sensor" else f"rig {health.name}",
         health.calibration_id,
-        _span(health.age_s),
-        _figure(health.rms_dots_px, 3),
-        _figure(health.rms_stripe_px, 3),
-        _moment(health.checked_at),
+        span(health.age_s),
+        figure(health.rms_dots_px, 3),
+        figure(health.rms_stripe_px, 3),
+        moment(health.checked_at),
         health.outcome or "-",
-        _figure(health.drift_rms_mm, 3),
+        figure(health.drift_rms_mm, 3),
         "IN DOUBT" if health.doubtful else "",
     )
 
@@ -91,8 +81,9 @@ def _quantity(found: FleetQuantity) -> tuple[str, ...]:
     last = found.values[-1]
     agreement = found.agreement
     wear, said = "-", f"{last.station} alone"
+    if found.wear is not None:
+        wear = f"{found.wear.per_day.value_mm:+.4f} ± {found.wear.per_day.u95_mm:.4f}"
     if agreement is not None:
-        wear = f"{agreement.per_day.value_mm:+.4f} ± {agreement.per_day.u95_mm:.4f}"
         said = "; ".join(
             f"{each.station} {each.offset_mm:+.3f} ± {each.u95_mm:.3f} of "
             f"{agreement.held_against}{'' if each.agrees else ' DISAGREES'}"
@@ -115,21 +106,3 @@ def _columns(rows: Sequence[Sequence[str]]) -> str:
         for row in rows
     )
     return "\n".join(lines)
-
-
-def _figure(value: float | None, digits: int) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
-
-
-def _moment(moment: datetime | None) -> str:
-    return "-" if moment is None else f"{moment:%Y-%m-%d %H:%M} UTC"
-
-
-def _span(seconds: float) -> str:
-    if seconds < 120.0:
-        return f"{max(seconds, 0.0):.0f} s"
-    if seconds < 7200.0:
-        return f"{seconds / 60.0:.0f} min"
-    if seconds < 2.0 * _DAY_S:
-        return f"{seconds / 3600.0:.0f} h"
-    return f"{seconds / _DAY_S:.0f} days"

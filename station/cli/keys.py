@@ -11,7 +11,8 @@ from station.cli.person import person
 from station.errors import InputUnusable, StateConflict
 from station.operations import DataLayout, Keys, key_id_of, utc_now
 from station.settings import load_settings
-from station.store import Key, Scope, Store, migrate, usable
+from station.store import Key, Store, migrate
+from station.store.callers import Scope, usable
 from station.worker import held
 
 app = typer.Typer(

@@ -59,7 +59,7 @@ def _by_station(
     if key is None:
         raise InputUnusable(
             f"a station runs on {settings.data_dir}; put a key of it with scope calibrate into "
-            "STATION_KEY"
+            "STATION_KEY, of an installed one into /etc/treadline/credentials/key"
         )
     with StationClient.connect(url or _url(settings), key) as station:
         sensors = [sensor] if sensor is not None else station.calibrated_sensors()

@@ -42,7 +42,8 @@ def replay(
         typer.Option(
             metavar="ADDRESS",
             help="Scheduler of a Dask cluster, as tcp://HOST:8786; its workers read the same "
-            "paths or URLs.",
+            "paths or URLs. At tls:// the certificates are those of Dask's configuration, "
+            "distributed.comm.tls.",
         ),
     ] = None,
     workers: Annotated[

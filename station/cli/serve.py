@@ -6,7 +6,10 @@ from typing import Annotated
 
 import typer
 
+from station.backups import newest_restorable
 from station.cli.output import AsJson, emit
+from station.errors import StoreNewer
+from station.operations import DataLayout
 from station.serve import log_as, supervise
 from station.settings import credential, load_settings
 
@@ -28,9 +31,15 @@ def serve(
         emit(document, f"station ready at {url} after {seconds:.1f} s", as_json=as_json)
         sys.stdout.flush()
 
-    supervise(
-        settings,
-        admin_key=credential("admin_key"),
-        say=lambda line: typer.echo(line, err=True),
-        announce=announce,
-    )
+    try:
+        supervise(
+            settings,
+            admin_key=credential("admin_key"),
+            say=lambda line: typer.echo(line, err=True),
+            announce=announce,
+        )
+    except StoreNewer as error:
+        backup = newest_restorable(DataLayout.of(settings))
+        if backup is None:
+            raise
+        raise StoreNewer(f"{error}: station restore {backup} --config {config}") from error

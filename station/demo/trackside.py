@@ -2,7 +2,6 @@
 
 import os
 import secrets
-import socket
 import subprocess
 import sys
 import time
@@ -16,6 +15,7 @@ from station.client import StationClient
 from station.demo.rendering import RenderedFrames, frames_path
 from station.demo.scenario import AXLES, OFFSETS_MM, REFERENCE, SHOWINGS, Scenario, SensorTruth
 from station.errors import StationError
+from station.processes.port import port_for_later
 from station.simulated import SimulatedCameraProcess
 
 _START_PATIENCE_S = 60.0
@@ -64,7 +64,7 @@ class RunningStation:
 @contextmanager
 def station_of(scenario: Scenario, folder: Path) -> Generator[RunningStation]:
     """Run `station serve` for the sensors of the scenario; its log goes to ``station.log``."""
-    port = _free_port()
+    port = port_for_later()
     config = folder / "station.toml"
     config.write_text(settings_toml(scenario, folder, port), encoding="utf-8")
     key = secrets.token_urlsafe(32)
@@ -114,13 +114,6 @@ def roll_train_by(cameras: dict[str, SimulatedCameraProcess]) -> dict[str, int]:
             for sensor, camera in cameras.items():
                 counts[sensor] += camera.trigger_line1(now_ns)
     return counts
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def settings_toml(scenario: Scenario, folder: Path, port: int) -> str:

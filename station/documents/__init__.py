@@ -31,7 +31,12 @@ from station.documents.piece import (
     PiecePictureDocument,
     piece_check,
 )
-from station.documents.points import POINT_COLUMNS, points_csv, views_from_points
+from station.documents.points import (
+    POINT_COLUMNS,
+    points_csv,
+    rig_points_csv,
+    views_from_points,
+)
 from station.documents.reference import (
     REFERENCE_NAME,
     MeasuredWheel,
@@ -84,6 +89,7 @@ __all__ = [
     "points_csv",
     "reference_nominal",
     "reference_points",
+    "rig_points_csv",
     "sensors_of",
     "views_from_points",
     "wheel_document",

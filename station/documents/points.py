@@ -9,6 +9,7 @@ import numpy as np
 from calib import (
     Calibration,
     Cause,
+    RigCalibration,
     SolvedPoints,
     SolvedView,
     StripePoints,
@@ -24,10 +25,25 @@ POINT_COLUMNS = (*NEEDED, "u_corrected", "v_corrected", "used", "reason", DOT_RA
 
 def points_csv(calibration: Calibration) -> str:
     """Return the text of points.csv of a calibration."""
+    return _text_of(zip(calibration.seen, calibration.views, strict=True))
+
+
+def rig_points_csv(calibration: RigCalibration) -> dict[str, str]:
+    """Return the text of a points.csv of each sensor of a rig, by its name."""
+    names = [each.name for each in calibration.rig.sensors]
+    return {
+        name: _text_of(
+            (each.seen, each.solved) for each in calibration.views if each.sensor == name
+        )
+        for name in names
+    }
+
+
+def _text_of(pictures: Iterable[tuple[View, SolvedView]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(POINT_COLUMNS)
-    for view, answer in zip(calibration.seen, calibration.views, strict=True):
+    for view, answer in pictures:
         writer.writerows(_dot_rows(view, answer))
         if view.stripe is not None:
             writer.writerows(_stripe_rows(view.name, view.stripe, answer))

@@ -7,33 +7,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from measure import Rate
-
-FloatArray = NDArray[np.float64]
-
-_COVERAGE = 1.96
-"""From the standard deviation of a normal variable to its 95 % half-width."""
-WEAR_SIGMA_MM_PER_DAY = 0.01
-"""How fast a wheel may wear, before anything of it is seen: 95 % within 0.02 mm a day, either way.
-Without it, two stations that saw a wheel once each would say nothing of how they agree."""
-
-
-@dataclass(frozen=True, slots=True)
-class StationValue:
-    """A value of one wheel at one station; `day` counts from any moment."""
-
-    station: str
-    day: float
-    value_mm: float
-    u95_mm: float
-
-    def __post_init__(self) -> None:
-        finite = np.isfinite(self.day) and np.isfinite(self.value_mm)
-        if not (finite and 0.0 < self.u95_mm < np.inf):
-            raise ValueError(f"a value needs a time and a positive u95, got {self!r}")
+from station.fleet.wear import StationValue, mean_u95, wear_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +45,7 @@ class Agreement:
 
 
 def station_agreement(values: Sequence[StationValue]) -> Agreement | None:
-    r"""Fit one line of wear with an offset for each station to the values of one wheel.
+    r"""Tell what each station reads more than the one with the most values.
 
     Parameters
     ----------
@@ -80,75 +55,36 @@ def station_agreement(values: Sequence[StationValue]) -> Agreement | None:
     Returns
     -------
     Agreement or None
-        None of fewer than two stations.  The others are held against the one with the most values,
-        of equals the first by name.
+        None of fewer than two stations.
 
     Notes
     -----
-    Weighted least squares of :math:`y_i = a + b t_i + o_{s(i)}`, weights :math:`1/\sigma_i^2`,
-    :math:`\sigma_i = u_{95,i} / 1.96`, with :math:`b \sim N(0, \sigma_w^2)` known beforehand
-    (`WEAR_SIGMA_MM_PER_DAY`).  A station's error is mostly that of its calibration, the same in all
-    its values: it does not go down with their number.  The interval is therefore that of the
-    offset of two values, one of each station, and of the wear between the stations' mean times:
+    Wear and offsets are those of `wear_of`.  A station's error is mostly that of its calibration,
+    the same in all its values: it does not go down with their number.  The interval is therefore
+    that of the offset of two values, one of each station, and of the wear between the stations'
+    mean times, :math:`u_b` that of the rate:
 
-    .. math:: u^2 = \overline{u_{95,s}^2} + \overline{u_{95,0}^2}
-              + (1.96\,\sigma_b\,(\bar t_s - \bar t_0))^2
+    .. math:: u^2 = \overline{u_{95,s}^2} + \overline{u_{95,0}^2} + (u_b\,(\bar t_s - \bar t_0))^2
 
     It is too large where the errors are independent, never too small.
     """
     counted = Counter(each.station for each in values)
-    if len(counted) < 2:
+    if len(counted) < 2 or (wear := wear_of(values)) is None:
         return None
-    first = min(counted, key=lambda name: (-counted[name], name))
-    others = sorted(counted.keys() - {first})
-    days = np.array([each.day for each in values])
-    design = np.zeros((len(values), 2 + len(others)))
-    design[:, 0] = 1.0
-    design[:, 1] = days - days.mean()
-    for row, each in enumerate(values):
-        if each.station != first:
-            design[row, 2 + others.index(each.station)] = 1.0
-    sigma = np.array([each.u95_mm for each in values]) / _COVERAGE
-    found, covariance = _solve(design, np.array([each.value_mm for each in values]), sigma)
-    sigma_rate = float(covariance[1, 1] ** 0.5)
+    first = wear.held_against
     offsets = tuple(
-        StationOffset(
-            name,
-            counted[name],
-            float(found[2 + place]),
-            _interval(_of(values, name), _of(values, first), sigma_rate),
-        )
-        for place, name in enumerate(others)
+        StationOffset(name, counted[name], offset, _interval(values, name, first, wear.per_day))
+        for name, offset in wear.offsets_mm.items()
     )
-    return Agreement(first, Rate(float(found[1]), _COVERAGE * sigma_rate), offsets)
+    return Agreement(first, wear.per_day, offsets)
 
 
-def _of(values: Sequence[StationValue], station: str) -> list[StationValue]:
-    return [each for each in values if each.station == station]
+def _interval(values: Sequence[StationValue], one: str, other: str, per_day: Rate) -> float:
+    apart = _mean_day(values, one) - _mean_day(values, other)
+    own = mean_u95(values, one) ** 2 + mean_u95(values, other) ** 2
+    return float((own + (per_day.u95_mm * apart) ** 2) ** 0.5)
 
 
-def _solve(
-    design: FloatArray, value: FloatArray, sigma: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the parameters (level, wear a day, offsets) and their covariance."""
-    known = np.zeros(design.shape[1])
-    known[1] = 1.0 / WEAR_SIGMA_MM_PER_DAY
-    rows = np.vstack([design / sigma[:, None], known])
-    information = rows.T @ rows
-    covariance = np.linalg.inv(information)
-    # From the mean: levels of a thousand mm (a diameter) would cost digits in the normal equations.
-    level = float(value.mean())
-    found = covariance @ (rows.T @ np.append((value - level) / sigma, 0.0))
-    return found, covariance
-
-
-def _interval(
-    one: Sequence[StationValue], other: Sequence[StationValue], sigma_rate: float
-) -> float:
-    apart = _mean([each.day for each in one]) - _mean([each.day for each in other])
-    own = _mean([each.u95_mm**2 for each in one]) + _mean([each.u95_mm**2 for each in other])
-    return float((own + (_COVERAGE * sigma_rate * apart) ** 2) ** 0.5)
-
-
-def _mean(numbers: Sequence[float]) -> float:
-    return sum(numbers) / len(numbers)
+def _mean_day(values: Sequence[StationValue], station: str) -> float:
+    days = [each.day for each in values if each.station == station]
+    return sum(days) / len(days)

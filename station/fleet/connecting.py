@@ -2,23 +2,36 @@
 
 from collections.abc import Generator
 from contextlib import contextmanager
-from typing import Any, Self
+from typing import Self
 
 from pydantic_core import from_json
-from sqlalchemy import Engine, create_engine, event
+from sqlalchemy import Engine, create_engine
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session, sessionmaker
 
 from station.errors import InputUnusable, StoreUnusable
-from station.store import database_url
+from station.fleet.patience import Patience, Stop, be_patient
+from station.store import database_url, looking, sqlite_engine
 
-_STATEMENT_MS = 60_000
-_LOOK_MS = 30_000
+_STATEMENT_S = 60.0
+_LOOK_S = 30.0
+_CONNECT_S = 5.0
 _LOCK_MS = 10_000
+_GRACE_S = 5.0
+"""The server says first that a statement took too long; where it does not, it hangs."""
 
 
-def fleet_engine(url: str, *, statement_ms: int = _STATEMENT_MS) -> Engine:
+def fleet_engine(
+    url: str, *, statement_s: float = _STATEMENT_S, stop: Stop | None = None
+) -> Engine:
     """Return an engine for the fleet's database.
+
+    Parameters
+    ----------
+    statement_s
+        A statement is given up after so long, by the server, or soon after here.
+    stop
+        Ends every waiting for the server.
 
     Raises
     ------
@@ -27,40 +40,26 @@ def fleet_engine(url: str, *, statement_ms: int = _STATEMENT_MS) -> Engine:
     """
     parsed = database_url(url)
     if parsed.get_backend_name() == "sqlite":
-        engine = create_engine(parsed, json_deserializer=from_json)
-        event.listen(engine, "connect", _set_up_sqlite)
-        event.listen(engine, "begin", _begin_sqlite)
-        return engine
-    return create_engine(
+        return sqlite_engine(parsed, json_deserializer=from_json)
+    engine = create_engine(
         parsed,
         json_deserializer=from_json,
         pool_size=2,
         pool_pre_ping=True,
         connect_args={
-            "connect_timeout": 5,
+            "connect_timeout": int(_CONNECT_S),
             "application_name": "treadline fleet",
             # A link that is cut says nothing: the kernel would wait for a quarter of an hour.
             "tcp_user_timeout": 30_000,
             "keepalives_idle": 10,
             "keepalives_interval": 5,
             "keepalives_count": 4,
-            "options": f"-c lock_timeout={_LOCK_MS} -c statement_timeout={statement_ms}"
+            "options": f"-c lock_timeout={_LOCK_MS} -c statement_timeout={statement_s * 1000.0:.0f}"
             " -c idle_in_transaction_session_timeout=60000 -c timezone=UTC",
         },
     )
-
-
-def _set_up_sqlite(connection: Any, _record: Any) -> None:
-    connection.isolation_level = None  # transactions are begun in `_begin_sqlite`
-    connection.execute(f"PRAGMA busy_timeout = {_LOCK_MS}")
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = FULL")
-    connection.execute("PRAGMA foreign_keys = ON")
-
-
-def _begin_sqlite(connection: Any) -> None:
-    looks = connection.get_execution_options().get("fleet_looks", False)
-    connection.exec_driver_sql("BEGIN" if looks else "BEGIN IMMEDIATE")
+    be_patient(engine, Patience(2.0 * _CONNECT_S, statement_s + _GRACE_S, stop))
+    return engine
 
 
 class Fleet:
@@ -69,17 +68,17 @@ class Fleet:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._change = sessionmaker(engine, expire_on_commit=False)
-        self._look = sessionmaker(_looking(engine), expire_on_commit=False)
+        self._look = sessionmaker(looking(engine), expire_on_commit=False)
 
     @classmethod
-    def open(cls, url: str) -> Self:
-        """Open the fleet's database for a station that sends."""
-        return cls(fleet_engine(url))
+    def open(cls, url: str, *, statement_s: float = _STATEMENT_S, stop: Stop | None = None) -> Self:
+        """Open the fleet's database for a station that sends; `stop` ends every waiting."""
+        return cls(fleet_engine(url, statement_s=statement_s, stop=stop))
 
     @classmethod
     def open_to_look(cls, url: str) -> Self:
         """Open it for a person who asks: no question may hold the stations up for long."""
-        return cls(fleet_engine(url, statement_ms=_LOOK_MS))
+        return cls(fleet_engine(url, statement_s=_LOOK_S))
 
     @contextmanager
     def change(self) -> Generator[Session]:
@@ -110,12 +109,6 @@ class Fleet:
         self._engine.dispose()
 
 
-def _looking(engine: Engine) -> Engine:
-    if engine.dialect.name == "sqlite":
-        return engine.execution_options(fleet_looks=True)
-    return engine.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
-
-
 @contextmanager
 def _reached() -> Generator[None]:
     """Tell a database that cannot be used now from one that does not take what it was given."""
@@ -124,8 +117,13 @@ def _reached() -> Generator[None]:
     except (DataError, IntegrityError):
         raise
     except DBAPIError as error:
-        why = " ".join(str(error.orig).split())
-        raise StoreUnusable(f"the fleet's database cannot be used now ({why})") from error
+        raise unusable(error) from error
+
+
+def unusable(error: DBAPIError) -> StoreUnusable:
+    """Return in a line that the database cannot be used, whatever its driver calls that."""
+    why = " ".join(str(error.orig).split())
+    return StoreUnusable(f"the fleet's database cannot be used now ({why})")
 
 
 def ensure_given(url: str | None) -> str:

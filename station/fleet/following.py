@@ -68,7 +68,8 @@ class Follower:
         try:
             pushed = self._push(stop)
         except StationError as error:
-            return self._failed(str(error))
+            # Told to stop while it waited, it knows nothing new of the fleet.
+            return 0.0 if stop.is_set() else self._failed(str(error))
         except Exception as error:  # whatever it is, the next round may do better
             _log.exception("not sent to the fleet")
             return self._failed(f"it failed unexpectedly ({type(error).__name__})")

@@ -2,14 +2,12 @@
 
 from pathlib import Path
 
-from alembic import command
-from alembic.config import Config
-from alembic.runtime.migration import MigrationContext
-from alembic.script import ScriptDirectory
+from sqlalchemy import inspect, text
 from sqlalchemy.exc import DBAPIError
 
-from station.errors import StationError, StoreUnusable
-from station.fleet.connecting import fleet_engine
+from station.errors import StationError
+from station.fleet.connecting import fleet_engine, unusable
+from station.fleet.patience import Stop
 
 VERSION_TABLE = "fleet_alembic_version"
 EMPTY = "base"
@@ -26,42 +24,50 @@ def migrate_fleet(url: str, revision: str = "head") -> None:
     StoreUnusable
         If it does not answer.
     """
+    # Imported here: the process that sends never migrates, and is to stay small.
+    from alembic import command  # noqa: PLC0415  see the line above
+    from alembic.config import Config  # noqa: PLC0415  as above
+
     ensure_not_newer(fleet_revision(url))
     engine = fleet_engine(url)
     try:
         with engine.begin() as connection:
-            config = _config()
+            config = Config()
+            config.set_main_option("script_location", str(_SCRIPTS).replace("%", "%%"))
             config.attributes["connection"] = connection
             if revision == EMPTY:
                 command.downgrade(config, revision)
             else:
                 command.upgrade(config, revision)
     except DBAPIError as error:
-        raise _unusable(error) from error
+        raise unusable(error) from error
     finally:
         engine.dispose()
 
 
-def fleet_revision(url: str) -> str | None:
+def fleet_revision(url: str, *, stop: Stop | None = None) -> str | None:
     """Return the revision the fleet's database is at; None where it has no tables yet.
 
     Raises
     ------
     StoreUnusable
-        If it does not answer.
+        If it does not answer, or `stop` was said meanwhile.
     """
-    engine = fleet_engine(url)
+    engine = fleet_engine(url, stop=stop)
     try:
         with engine.connect() as connection:
-            options = {"version_table": VERSION_TABLE}
-            return MigrationContext.configure(connection, opts=options).get_current_revision()
+            if not inspect(connection).has_table(VERSION_TABLE):
+                return None
+            query = text(f"SELECT version_num FROM {VERSION_TABLE}")
+            found: str | None = connection.scalar(query)
+            return found
     except DBAPIError as error:
-        raise _unusable(error) from error
+        raise unusable(error) from error
     finally:
         engine.dispose()
 
 
-def ensure_ready(url: str) -> None:
+def ensure_ready(url: str, *, stop: Stop | None = None) -> None:
     """Refuse a fleet's database that is not of this version's schema.
 
     A station never changes the schema itself: stations of several versions share it.
@@ -71,11 +77,11 @@ def ensure_ready(url: str) -> None:
     StationError
         If `station fleet init` was not run, or another version of it.
     StoreUnusable
-        If it does not answer.
+        If it does not answer, or `stop` was said meanwhile.
     """
-    revision = fleet_revision(url)
+    revision = fleet_revision(url, stop=stop)
     ensure_not_newer(revision)
-    newest = ScriptDirectory.from_config(_config()).get_current_head()
+    newest = known_revisions()[-1]
     if revision != newest:
         raise StationError(
             f"the fleet's database is at revision {revision}, this version writes {newest}; "
@@ -91,20 +97,15 @@ def ensure_not_newer(revision: str | None) -> None:
     StationError
         If this version has no step that leads to its revision.
     """
-    known = {step.revision for step in ScriptDirectory.from_config(_config()).walk_revisions()}
+    known = known_revisions()
     if revision is not None and revision not in known:
         raise StationError(
             f"the fleet's database is at revision {revision}, this version knows up to "
-            f"{max(known)}; bring this station to the version that made it"
+            f"{known[-1]}; bring this station to the version that made it"
         )
 
 
-def _config() -> Config:
-    config = Config()
-    config.set_main_option("script_location", str(_SCRIPTS).replace("%", "%%"))
-    return config
-
-
-def _unusable(error: DBAPIError) -> StoreUnusable:
-    why = " ".join(str(error.orig).split())
-    return StoreUnusable(f"the fleet's database cannot be used now ({why})")
+def known_revisions() -> list[str]:
+    """Return the revisions this version knows, the oldest first: by the names of their files."""
+    steps = (_SCRIPTS / "versions").glob("f[0-9]*_*.py")
+    return sorted(path.name.partition("_")[0] for path in steps)

@@ -7,6 +7,7 @@ from datetime import datetime
 from sqlalchemy import and_, func, select
 from sqlalchemy.orm import Session, aliased
 
+from measure import Limit, Quantity
 from station.fleet.receiving import fleet_now
 from station.fleet.tables import (
     FleetAlarm,
@@ -17,6 +18,7 @@ from station.fleet.tables import (
     FleetRefusal,
     FleetStation,
 )
+from station.fleet.told_limits import limits_told
 
 MOST_STATIONS = 1000
 MOST_SENSORS = 5000
@@ -106,6 +108,12 @@ def station_states(session: Session) -> list[StationState]:
             doubtful.setdefault(sensor.station, []).append(sensor.name)
     rows = session.scalars(select(FleetStation).order_by(FleetStation.id).limit(MOST_STATIONS))
     return [_state(session, row, now, tuple(doubtful.get(row.id, ()))) for row in rows.all()]
+
+
+def station_limits(session: Session) -> dict[str, dict[Quantity, Limit]]:
+    """Return what each station judges its readings by, as far as it has told."""
+    rows = session.execute(select(FleetStation.id, FleetStation.limits).limit(MOST_STATIONS))
+    return {station: limits_told(told) for station, told in rows}
 
 
 def _state(

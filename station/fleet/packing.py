@@ -23,17 +23,15 @@ from station.store import (
     AxleWheel,
     Calibration,
     Change,
-    ChangeKind,
     JsonObject,
     Measurement,
     Pass,
     Recalibration,
     RigActivation,
     RigCalibration,
-    axles_of,
-    profiles_of,
-    wheels_of,
 )
+from station.store.changes import ChangeKind
+from station.store.measured import axles_of, profiles_of, wheels_of
 
 Row = dict[str, Any]
 _BEYOND = {Alarm.WARNING.value, Alarm.ALARM.value}

@@ -12,6 +12,7 @@ from station.fleet.connecting import Fleet, ensure_given
 from station.fleet.following import Follower, Stop
 from station.fleet.migrating import ensure_ready
 from station.fleet.pushing import Pushed, Pusher
+from station.limits import limits_of
 from station.operations import DataLayout, utc_now
 from station.processes.stop_signal import StopSignal
 from station.settings import FleetSettings, StationSettings
@@ -54,19 +55,21 @@ class _Link:
         self._fleet: Fleet | None = None
         self._station = fleet.station or settings.name
         self._name = settings.name
+        self._limits = limits_of(settings.limits)
         self._profiles = fleet.profiles
 
     def push(self, stop: Stop) -> Pushed:
         """Make a round."""
         if self._fleet is None:
             url = ensure_given(self._url)
-            ensure_ready(url)
-            self._fleet = Fleet.open(url)
+            ensure_ready(url, stop=stop)
+            self._fleet = Fleet.open(url, stop=stop)
         pusher = Pusher(
             self._store,
             self._fleet,
             station=self._station,
             name=self._name,
+            limits=self._limits,
             profiles=self._profiles,
             now=utc_now,
         )

@@ -9,24 +9,25 @@ this one was brought back from a backup, and goes on in a new epoch.
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Protocol
 
 import structlog
 from sqlalchemy.exc import DBAPIError, IntegrityError, StatementError
 
+from measure import Limits
 from station.fleet.connecting import Fleet
 from station.fleet.packing import Packed, pack
+from station.fleet.patience import Stop
 from station.fleet.receiving import Batch, Mark, MarkMoved, Sender, hear, refuse, take
+from station.fleet.told_limits import limits_as_told
 from station.software import SOFTWARE
-from station.store import (
+from station.store import Store, pass_in_progress
+from station.store.changes import (
     ChangesLeft,
-    Store,
     begin_epoch,
     changes_after,
     changes_left,
     knows_push,
     note_push,
-    pass_in_progress,
     store_epoch,
 )
 
@@ -34,12 +35,6 @@ _CHANGES_IN_BATCH = 20
 _ROWS_IN_BATCH = 2000
 """About 2 MB: a second on a slow link, and little to send again where it is cut."""
 _log = structlog.get_logger()
-
-
-class Stop(Protocol):
-    """Says when to stop."""
-
-    def is_set(self) -> bool: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +54,8 @@ class Pusher:
     ----------
     station, name
         What the fleet knows the station by, and what it is called.
+    limits
+        What the station judges readings by.
     profiles
         Whether profiles are sent too.
     now
@@ -74,6 +71,7 @@ class Pusher:
         *,
         station: str,
         name: str,
+        limits: Limits,
         profiles: bool,
         now: Callable[[], datetime],
         changes_in_batch: int = _CHANGES_IN_BATCH,
@@ -82,6 +80,7 @@ class Pusher:
         self._fleet = fleet
         self._station = station
         self._name = name
+        self._limits = limits_as_told(limits)
         self._profiles = profiles
         self._now = now
         self._changes_in_batch = changes_in_batch
@@ -123,7 +122,7 @@ class Pusher:
         return sender, mark
 
     def _sender(self, epoch: str) -> Sender:
-        return Sender(self._station, self._name, SOFTWARE, epoch)
+        return Sender(self._station, self._name, SOFTWARE, epoch, self._limits)
 
     def _begin(self, *, after: str | None) -> str:
         with self._store.change() as session:

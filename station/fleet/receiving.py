@@ -21,7 +21,8 @@ from station.fleet.tables import (
     FleetWheel,
     OfEpoch,
 )
-from station.store import ChangesLeft, UtcDateTime
+from station.store import JsonObject, UtcDateTime
+from station.store.changes import ChangesLeft
 
 
 class MarkMoved(StationError):
@@ -30,12 +31,13 @@ class MarkMoved(StationError):
 
 @dataclass(frozen=True, slots=True)
 class Sender:
-    """Who sends: the station, and which life of its store."""
+    """Who sends: the station, which life of its store, and the limits it judges by."""
 
     station: str
     name: str
     software: str
     store_epoch: str
+    limits: JsonObject
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +153,7 @@ def _note_station(
         row = FleetStation(id=sender.station, first_heard_at=now, unsent=0)
         session.add(row)
     row.name, row.software, row.last_heard_at = sender.name, sender.software, now
+    row.limits = sender.limits
     row.clock_ahead_s = (at - now).total_seconds()
     if left is not None:
         row.unsent, row.unsent_since = left.count, left.since

@@ -49,6 +49,7 @@ class FleetStation(FleetTable):
     clock_ahead_s: Mapped[float]  # of the station's clock against the fleet's
     unsent: Mapped[int]  # changes it had still to send
     unsent_since: Mapped[datetime | None]  # when it made the oldest of them
+    limits: Mapped[JsonObject | None]  # that it judges readings by; see `told_limits`
 
 
 class FleetEpoch(FleetTable):

@@ -9,13 +9,14 @@ from sqlalchemy.orm import Session
 
 from measure import Alarm, Placing, Quantity, Side, Status
 from station.errors import NotFound
-from station.fleet.agreement import Agreement, StationValue, station_agreement
+from station.fleet.agreement import Agreement, station_agreement
 from station.fleet.tables import FleetAxle, FleetPass, FleetWheel
+from station.fleet.wear import StationValue, Wear, wear_of
 from station.store import JsonObject
 
 MOST_PASSES = 1000
 """Of a wheel: years of them."""
-_DAY_S = 86_400.0
+DAY_S = 86_400.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,15 +40,18 @@ class FleetQuantity:
 
     Attributes
     ----------
-    agreement
-        Of the values since the last jump that were read as the last one was: by the same status
-        and reference.  None where they are of one station.
     compared
-        How many these are.
+        How many of them are since the last jump, and were read as the last one was: by the same
+        status and reference.
+    wear
+        The line through these; its days count from 1970.  None of fewer than two.
+    agreement
+        Of the same values; None where they are of one station.
     """
 
     values: tuple[FleetValue, ...]
     compared: int
+    wear: Wear | None
     agreement: Agreement | None
 
 
@@ -107,6 +111,19 @@ def fleet_trend(session: Session, wheelset: str, *, most: int = MOST_PASSES) -> 
     )
 
 
+def measured_wheelsets(session: Session) -> list[str]:
+    """Return the wheelsets that any station has measured at a place that is certain, by name."""
+    query = (
+        select(FleetAxle.wheelset)
+        .where(FleetAxle.wheelset.is_not(None))
+        .where(FleetAxle.wheelset_side.is_not(None))
+        .where(FleetAxle.wheel_id.is_not(None))
+        .where(FleetAxle.placing == Placing.CERTAIN.value)
+        .distinct()
+    )
+    return sorted(name for name in session.scalars(query) if name is not None)
+
+
 def _history(session: Session, wheelset: str, side: Side, most: int) -> Sequence[_Found]:
     epoch = "station", "epoch"
     of_pass = [getattr(FleetAxle, n) == getattr(FleetPass, n) for n in epoch]
@@ -141,12 +158,13 @@ def _quantity(history: Sequence[_Found], quantity: Quantity) -> FleetQuantity | 
     values = [value for each in history if (value := _value(each, quantity)) is not None]
     if not values:
         return None
-    compared = _comparable(values)
-    agreement = station_agreement([
-        StationValue(each.station, each.at.timestamp() / _DAY_S, each.value, each.u95)
-        for each in compared
-    ])
-    return FleetQuantity(tuple(values), len(compared), agreement)
+    compared = [
+        StationValue(each.station, each.at.timestamp() / DAY_S, each.value, each.u95)
+        for each in _comparable(values)
+    ]
+    return FleetQuantity(
+        tuple(values), len(compared), wear_of(compared), station_agreement(compared)
+    )
 
 
 def _comparable(values: Sequence[FleetValue]) -> list[FleetValue]:

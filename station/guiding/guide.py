@@ -1,4 +1,4 @@
-"""The way to the process that finds targets, solves on trial and draws reports."""
+"""The way to the process that finds targets, solves on trial, draws reports and compares."""
 
 import threading
 from collections import OrderedDict
@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
+from measure import ReadingShifts
 from station.documents import CalibrationDocument
 from station.errors import StationError
 from station.guiding.enough import Demands
 from station.guiding.guidance import Guidance
 from station.guiding.watch import SessionSoFar, SessionWatch
+from station.pipeline import SeenBefore
 from station.processes.on_call import ProcessOnCall
 from station.settings import LogLevel
 
@@ -102,6 +104,17 @@ class Guide:
         """
         with self._turn:
             return cast(str, self._ask("report", document, points_csv, sources))
+
+    def shifts(self, new: CalibrationDocument, seen: SeenBefore) -> ReadingShifts:
+        """Return by how much readings shift with a calibration, as `shifts_with`, which see.
+
+        Raises
+        ------
+        GuideLost
+            If the process died or did not answer in time.
+        """
+        with self._turn:
+            return cast(ReadingShifts, self._ask("shifts", new, seen))
 
     def close(self) -> None:
         """End the process; the next question starts another."""

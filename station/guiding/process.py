@@ -8,6 +8,7 @@ from calib import CalibError
 from station.errors import StationError
 from station.guiding.guidance import guidance_of
 from station.guiding.watch import SessionSoFar, SessionWatch
+from station.pipeline import shifts_with
 from station.processes.on_call import answer_calls
 from station.report import calibration_report
 
@@ -21,6 +22,7 @@ WORK: Final[Mapping[str, Callable[..., Any]]] = {
     "go on": go_on,
     "guidance": guidance_of,
     "report": calibration_report,
+    "shifts": shifts_with,
 }
 """What can be asked for, by name."""
 

@@ -3,7 +3,11 @@
 No HTTP and no process in here: each operation takes the parts of the station it works with.
 """
 
-from station.operations.calibration_pictures import FramePlace, pictures_of
+from station.operations.calibration_pictures import (
+    FramePlace,
+    pictures_of,
+    rig_pictures_of,
+)
 from station.operations.calibrations import (
     CalibrationOrder,
     MethodName,
@@ -52,11 +56,13 @@ from station.operations.rigs import (
     active_rig_calibration,
     keep_rig_calibration,
     order_rig_calibration,
+    rig_calibration_points,
 )
 from station.operations.salvage import salvage_recording
 from station.operations.sensors import rig_at, sensor_at, sensor_given
 from station.operations.session_orders import SessionOrder, SessionView
 from station.operations.sessions import Sessions
+from station.operations.shifts import CalibrationShifts, ShiftOfReading
 from station.operations.showing import Showing, Shown
 from station.operations.triggering import by_command, trigger_pass
 from station.operations.uploads import Upload, Uploads
@@ -64,6 +70,7 @@ from station.operations.views import PassView, PassWheels
 
 __all__ = [
     "CalibrationOrder",
+    "CalibrationShifts",
     "Capture",
     "DataLayout",
     "Guiding",
@@ -86,6 +93,7 @@ __all__ = [
     "SessionOrder",
     "SessionView",
     "Sessions",
+    "ShiftOfReading",
     "Showing",
     "Shown",
     "Station",
@@ -116,6 +124,8 @@ __all__ = [
     "refuse_rig_calibration",
     "replay_view",
     "rig_at",
+    "rig_calibration_points",
+    "rig_pictures_of",
     "salvage_recording",
     "sensor_at",
     "sensor_given",

@@ -136,6 +136,7 @@ def arm(
         metadata=_metadata(station, recording),
         attachments=_attachments(station, recording),
         goes_on=before,
+        looks=recording.session_id is not None and trigger is Trigger.SOFTWARE,
     )
     capture = station.captures[recording.sensor]
     try:

@@ -10,7 +10,7 @@ from station.operations.collaborators import Station
 from station.operations.downloads import recording_files
 from station.pipeline import distinct_names
 from station.recording import list_frames
-from station.store import Calibration, the
+from station.store import Calibration, RigCalibration, the
 
 _MOST = 5000
 """Frames of a file: a session has far fewer, and a recording of a pass is no calibration."""
@@ -38,6 +38,23 @@ def pictures_of(station: Station, calibration_id: str) -> Mapping[str, FramePlac
     with station.store.look() as session:
         row = the(session, Calibration, calibration_id)
         names = list(row.recording_ids.get("recordings", []))
+    return _pictures_in(station, names)
+
+
+def rig_pictures_of(station: Station, calibration_id: str, sensor: str) -> Mapping[str, FramePlace]:
+    """Return the frames of a sensor's pictures in the calibration of its rig, as `pictures_of`.
+
+    Raises
+    ------
+    NotFound
+        If there is no such calibration.
+    """
+    with station.store.look() as session:
+        ordered = the(session, RigCalibration, calibration_id).ordered or {}
+    return _pictures_in(station, list(ordered.get("recordings", {}).get(sensor, [])))
+
+
+def _pictures_in(station: Station, names: Sequence[str]) -> Mapping[str, FramePlace]:
     files = {name: _files(station, name) for name in names}
     labels = iter(distinct_names([path for parts in files.values() for path in parts]))
     return {

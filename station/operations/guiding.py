@@ -1,4 +1,4 @@
-"""Guiding calibration sessions, and drawing reports: by the names of things, never by a path.
+"""Guiding sessions, drawing reports, telling shifts: by the names of things, never by a path.
 
 Nothing is found or solved here: the guiding process does that.
 """
@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from sqlalchemy.orm import Session
 
 from calib import Target
+from measure import ReadingShifts
 from station.documents import CalibrationDocument
 from station.errors import StateConflict
 from station.guiding import Demands, Guidance, Guide, SessionWatch
 from station.operations.collaborators import Station
+from station.operations.shifts import CalibrationShifts, shifts_to_tell
 from station.store import (
     Calibration,
     CalibrationPoints,
@@ -21,6 +23,8 @@ from station.store import (
     recordings_of,
     the,
 )
+
+_NO_WHEEL = "no wheel that shows its flange back has been measured yet"
 
 
 class Guiding:
@@ -85,6 +89,28 @@ class Guiding:
         ]
         document = CalibrationDocument.model_validate_json(row.document)
         return self._guide.report(document, points.csv, sources)
+
+    def shifts(self, calibration_id: str) -> CalibrationShifts | None:
+        """Return by how much readings shift with a calibration; None where it has no rival.
+
+        They are told on the last wheel that its sensor, or its sensor's rig, has measured.
+
+        Raises
+        ------
+        NotFound
+            If there is no such calibration.
+        StateConflict
+            If it is not ready.
+        GuideLost
+            If the guiding process gives no answer.
+        """
+        with self._station.store.look() as session:
+            asked = shifts_to_tell(session, self._station.settings, calibration_id)
+        if asked is None:
+            return None
+        if asked.seen is None:
+            return asked.told(ReadingShifts((), _NO_WHEEL))
+        return asked.told(self._guide.shifts(asked.new, asked.seen))
 
     def _watch(self, row: CalibrationSession, recording: Recording) -> SessionWatch:
         settings = self._station.settings.sensor(recording.sensor)

@@ -5,18 +5,8 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 
 from station.errors import InputUnusable
-from station.store import (
-    Action,
-    Actor,
-    Key,
-    Scope,
-    Store,
-    audit,
-    issue_key,
-    keys_of,
-    revoke_key,
-    rotate_key,
-)
+from station.store import Action, Actor, Key, Store, audit
+from station.store.callers import Scope, issue_key, keys_of, revoke_key, rotate_key
 
 _LONGEST_OVERLAP = timedelta(days=90)
 _KIND = "key"

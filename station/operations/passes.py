@@ -33,10 +33,9 @@ from station.store import (
     Recording,
     audit,
     passes_held,
-    places_of,
     the,
-    wheels_of,
 )
+from station.store.measured import places_of, wheels_of
 from station.trains import Consist, keep_axles, train_picture
 
 

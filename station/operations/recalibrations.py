@@ -27,13 +27,15 @@ from station.store import (
     activate,
     active,
     add_job,
-    asking_recalibrations,
     audit,
-    decided_against,
     recordings_of,
+    the,
+)
+from station.store.recalibrations import (
+    asking_recalibrations,
+    decided_against,
     recordings_under,
     running_recalibration,
-    the,
 )
 
 _KIND = "recalibration"

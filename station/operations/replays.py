@@ -27,10 +27,10 @@ from station.store import (
     RigCalibration,
     add_job,
     audit,
-    measured_by,
     recordings_of,
     the,
 )
+from station.store.measured import measured_by
 
 ReferenceName = Literal["S1002", "LMA"]
 _MEASURED = {PassState.DONE, PassState.RECOVERED}

@@ -23,6 +23,7 @@ from station.store import (
     JsonObject,
     RigActivation,
     RigCalibration,
+    RigCalibrationPoints,
     SessionState,
     activate_rig,
     active_rig,
@@ -203,6 +204,25 @@ def _note(
     after = {"rig": calibration.rig, "job": calibration.job_id}
     now = station.now()
     audit(session, action, "rig calibration", calibration.id, by=by, at=now, after=after)
+
+
+def rig_calibration_points(station: Station, calibration_id: str, sensor: str) -> str:
+    """Return the points of one sensor's pictures in a rig's calibration as CSV.
+
+    Raises
+    ------
+    NotFound
+        If there is no such calibration, or it has kept no points of such a sensor.
+    """
+    with station.store.look() as session:
+        the(session, RigCalibration, calibration_id)
+        points = session.get(RigCalibrationPoints, (calibration_id, sensor))
+    if points is None:
+        raise NotFound(
+            f"rig calibration {calibration_id} has no points of a sensor {sensor}: it is not "
+            "ready, was made elsewhere or by an earlier version, or the rig has no such sensor"
+        )
+    return points.csv
 
 
 def active_rig_calibration(station: Station, rig: str) -> RigActivation:

@@ -121,14 +121,14 @@ class Showing:
         return Shown(row.id, view)
 
     def look(self, sensor: str, form: Form, *, max_width: int | None) -> Shown:
-        """Have an idle camera take a picture now, which is recorded nowhere; return it.
+        """Have a camera take a picture now, which is recorded nowhere; return it.
 
         Raises
         ------
         NotFound
             If there is no such sensor.
         StateConflict
-            If it is not idle.
+            If it is neither idle nor in a calibration session, between two of its pictures.
         CameraError
             If no whole picture comes.
         ViewerLost

@@ -19,7 +19,8 @@ from station.errors import DiskFull, InputUnusable, RecordingUnreadable, StateCo
 from station.operations.collaborators import Station
 from station.operations.inspection import Inspected, inspect_apart
 from station.storage import GB, free_bytes
-from station.store import Action, Actor, Recording, audit, recordings_in_use, the
+from station.store import Action, Actor, Recording, audit, the
+from station.store.disposal import recordings_in_use
 
 MAGIC = b"\x89MCAP0\r\n"
 _SYNC_BYTES = 16 << 20

@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 from pydantic import BaseModel, ConfigDict, Field
 
 from station.errors import InputUnusable
-from station.store import Span
+from station.store.lists import Span
 
 
 class ListSearch(BaseModel):

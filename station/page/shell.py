@@ -16,7 +16,7 @@ from station.page.formats import Times, bytes_of, lasting, quantity
 from station.page.going import REDIRECT
 from station.page.texts import LANGUAGE, Texts
 from station.settings import StationSettings
-from station.store import Caller, Scope
+from station.store.callers import Caller, Scope
 
 # Nothing from elsewhere and nothing inline: what a pass id or an operator wrote is never a script.
 CONTENT_SECURITY_POLICY: Final = (

@@ -32,13 +32,15 @@ from station.pipeline.new_references import register_reference
 from station.pipeline.observe import Observations, observe_pose, observe_sources
 from station.pipeline.observe_group import PoseShot, observe_group
 from station.pipeline.piece import check_piece
-from station.pipeline.piece_on_rig import PieceOrder, calibrate_rig_on_piece, check_piece_on_rig
+from station.pipeline.piece_on_rig import calibrate_rig_on_piece, check_piece_on_rig
+from station.pipeline.piece_order import PieceOrder
 from station.pipeline.quality import LARGEST_SHEET_SIGMA_MM, LARGEST_SIGMA_SCALE
 from station.pipeline.references import is_json, load_reference, read_profile, read_reference
 from station.pipeline.resumption import Resumption
-from station.pipeline.rig import RigOrder, calibrate_rig_sources
+from station.pipeline.rig import RigOrder, RigOutcome, calibrate_rig_sources
 from station.pipeline.rig_gauge import RigGauge
 from station.pipeline.rig_sources import sources_by_sensor
+from station.pipeline.shifts import SeenBefore, shifts_with
 from station.pipeline.wheel_stripe import locate_wheel_stripe
 
 __all__ = [
@@ -57,7 +59,9 @@ __all__ = [
     "Resumption",
     "RigGauge",
     "RigOrder",
+    "RigOutcome",
     "PoseShot",
+    "SeenBefore",
     "Solving",
     "Taken",
     "UnreadBatch",
@@ -96,6 +100,7 @@ __all__ = [
     "recorded_batches",
     "register_reference",
     "repeatability_of_sources",
+    "shifts_with",
     "sources_by_sensor",
     "working_pixels",
 ]

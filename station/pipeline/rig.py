@@ -1,6 +1,6 @@
 """From pictures of a rigid target to where the sensors of a rig stand to each other."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -24,6 +24,7 @@ from station.documents import (
     InputFile,
     RigDocument,
     RmsDocument,
+    rig_points_csv,
     sensors_of,
 )
 from station.errors import InputUnusable
@@ -122,9 +123,17 @@ class RigOrder:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class RigOutcome:
+    """A calibrated rig and its points: the texts of rig.json and of a points.csv of each sensor."""
+
+    document: RigDocument
+    points_csv: Mapping[str, str]
+
+
 def calibrate_rig_sources(
     sources: Sequence[Path], order: RigOrder, *, progress: Progress = silent
-) -> RigDocument:
+) -> RigOutcome:
     """Calibrate a rig from recordings, folders of pictures or points.csv, one of each sensor.
 
     Pictures of one showing are told by their times, else by alike names, else by their order. A
@@ -165,7 +174,8 @@ def calibrate_rig_sources(
         **answer.left_out,
     }
     document = _document(answer, order, showings, left_out, inputs)
-    return document.model_copy(update={"warnings": (*document.warnings, *seen_before)})
+    document = document.model_copy(update={"warnings": (*document.warnings, *seen_before)})
+    return RigOutcome(document, rig_points_csv(answer))
 
 
 def _known_before(

@@ -1,14 +1,35 @@
 """Which pictures disagree most with the answer."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from calib import RigidTransform
-from station.documents import CalibrationDocument, PoseDocument
+from station.documents import PoseDocument, RmsDocument
 from station.report.evidence import PictureEvidence
+
+
+class Solved(Protocol):
+    """What a ranking needs of a calibration; a `CalibrationDocument` says it, as others may."""
+
+    @property
+    def rms(self) -> RmsDocument:
+        """Over all pictures."""
+
+    @property
+    def poses(self) -> Sequence[PoseDocument]:
+        """Of the pictures used, where they are kept."""
+
+    @property
+    def left_out(self) -> Mapping[str, str]:
+        """Why pictures were left out, by name."""
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """What is to be known; what is of one picture begins with its name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +42,7 @@ class RankedPicture:
         Its points.
     distance_mm, tilt_deg
         Of the target's first point from the camera, and of the target's normal from the ray to it;
-        NaN where the picture was left out.
+        NaN where the picture was left out, or its pose is not kept.
     disagreement
         The larger of its RMS of target points and of stripe points, each over that of all
         pictures; infinite where the picture was left out.
@@ -45,18 +66,14 @@ class RankedPicture:
         return not (len(stripe) and not stripe.used.any()), -self.disagreement
 
 
-def worst_first(
-    document: CalibrationDocument, pictures: Sequence[PictureEvidence]
-) -> tuple[RankedPicture, ...]:
+def worst_first(document: Solved, pictures: Sequence[PictureEvidence]) -> tuple[RankedPicture, ...]:
     """Rank the pictures: those left out, those whose stripe was not used, then by RMS."""
     poses = {pose.image: pose for pose in document.poses}
     ranked = [_rank(document, picture, poses.get(picture.name)) for picture in pictures]
     return tuple(sorted(ranked, key=lambda each: (not each.left_out, *each.order)))
 
 
-def _rank(
-    document: CalibrationDocument, picture: PictureEvidence, pose: PoseDocument | None
-) -> RankedPicture:
+def _rank(document: Solved, picture: PictureEvidence, pose: PoseDocument | None) -> RankedPicture:
     if not picture.solved:
         reason = reason_without_name(document, picture.name)
         return RankedPicture(picture, math.nan, math.nan, math.inf, reason, ())
@@ -67,7 +84,7 @@ def _rank(
     return RankedPicture(picture, distance_mm, tilt_deg, disagreement, "", said)
 
 
-def reason_without_name(document: CalibrationDocument, name: str) -> str:
+def reason_without_name(document: Solved, name: str) -> str:
     """Return why a picture was left out, without its name before it."""
     return document.left_out.get(name, "not solved").removeprefix(f"{name}: ")
 
@@ -79,7 +96,7 @@ def _stand(pose: PoseDocument) -> tuple[float, float]:
     return distance_mm, math.degrees(math.acos(min(1.0, abs(float(away)))))
 
 
-def _disagreement(document: CalibrationDocument, picture: PictureEvidence) -> float:
+def _disagreement(document: Solved, picture: PictureEvidence) -> float:
     parts = (
         picture.dots.rms_px / document.rms.dots_px if document.rms.dots_px > 0.0 else 0.0,
         picture.stripe.rms_px / document.rms.stripe_px if document.rms.stripe_px > 0.0 else 0.0,

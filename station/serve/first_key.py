@@ -5,7 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from station.operations import DataLayout, utc_now
-from station.store import Scope, Store, add_key, any_key
+from station.store import Store
+from station.store.callers import Scope, add_key, any_key
 
 NAME = "first admin"
 Say = Callable[[str], None]

@@ -21,7 +21,8 @@ from station.serve.readiness import Announce, begin_announcing
 from station.serve.remains import await_end_of_killed, folder_of_sockets
 from station.serve.service_manager import ServiceManager
 from station.settings import StationSettings
-from station.store import ensure_sound, ensure_unguessable, migrate
+from station.store import ensure_sound, migrate
+from station.store.callers import ensure_unguessable
 from station.worker import held
 
 _API_PATIENCE_S = 8.0

@@ -29,11 +29,12 @@ def credential(name: str, environment: Mapping[str, str] = os.environ) -> str | 
     if given:
         return given
     folder = environment.get(_FOLDER)
-    path = None if folder is None else Path(folder, _PREFIX + name)
-    if path is None or not path.exists():
+    if folder is None:
         return None
     try:
-        text = path.read_text(encoding="utf-8").strip()
+        text = Path(folder, _PREFIX + name).read_text(encoding="utf-8").strip()
+    except FileNotFoundError:
+        return None
     except (OSError, UnicodeDecodeError) as error:
         raise InputUnusable(f"credential {name}: cannot be read ({error})") from error
     if not text:

@@ -11,7 +11,8 @@ from station.errors import DiskFull, NothingMeasurable, StateConflict, StationEr
 from station.progress import Progress, silent
 from station.recording import CompactReport, compact, is_compact
 from station.storage.tidying import files_of_recording
-from station.store import Recording, Store, measured_recordings, the
+from station.store import Recording, Store, the
+from station.store.disposal import measured_recordings
 
 _log = structlog.get_logger()
 

@@ -12,17 +12,8 @@ from station.recording import left_behind
 from station.settings import StorageSettings
 from station.storage.retention import Candidate, Deletion, Kind, Usage, to_delete
 from station.storage.space import free_bytes
-from station.store import (
-    STATION,
-    Action,
-    Recording,
-    Store,
-    audit,
-    disposable_recordings,
-    failed_recordings,
-    the,
-    uploaded_recordings,
-)
+from station.store import STATION, Action, Recording, Store, audit, the
+from station.store.disposal import disposable_recordings, failed_recordings, uploaded_recordings
 
 RECORDINGS = "recordings"
 _OF: Mapping[Kind, Callable[[Session], Sequence[Recording]]] = {

@@ -156,3 +156,10 @@ def _ensure_fits(calibration: Calibration, sensor: str) -> None:
             f"calibration {calibration.id} is of sensor {calibration.sensor}, not of {sensor}; "
             "give one of the same sensor"
         )
+
+
+def activation_of(session: Session, sensor: str, version: int) -> Activation:
+    """Return an activation of a sensor that is known to have been."""
+    return session.scalars(
+        select(Activation).where(Activation.sensor == sensor).where(Activation.version == version)
+    ).one()

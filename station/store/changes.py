@@ -9,7 +9,7 @@ from uuid import uuid4
 from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
-from station.store.change_tables import Change, Push, StoreEpoch
+from station.store.tables import Change, Push, StoreEpoch
 
 _PUSHES_KEPT = 10_000
 """Weeks of them; whoever was restored from further back is sent everything."""

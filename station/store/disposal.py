@@ -5,13 +5,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
-from station.store.following_tables import Following
+from station.store.measured import recordings_replayed
 from station.store.recalibrations import recordings_recalibrated
-from station.store.replays import recordings_replayed
 from station.store.states import CalibrationState, PassState
 from station.store.tables import (
     Activation,
     Calibration,
+    Following,
     Measurement,
     Pass,
     Recording,

@@ -27,3 +27,28 @@ def paths_being_recorded(session: Session) -> set[str]:
         *session.scalars(of_passes.where(Pass.state.in_(HELD))),
         *session.scalars(of_sessions.where(CalibrationSession.state.in_(SESSION.unfinished))),
     }
+
+
+def pass_in_progress(session: Session) -> Pass | None:
+    """Return the pass that holds the sensors, if there is one."""
+    return session.scalar(select(Pass).where(Pass.state.in_(HELD)).limit(1))
+
+
+def session_in_progress(session: Session, sensor: str) -> CalibrationSession | None:
+    """Return the calibration session that holds a sensor, if there is one."""
+    return session.scalar(
+        select(CalibrationSession)
+        .join(Recording, Recording.session_id == CalibrationSession.id)
+        .where(Recording.sensor == sensor)
+        .where(CalibrationSession.state.in_(SESSION.unfinished))
+        .limit(1)
+    )
+
+
+def open_sessions(session: Session) -> Sequence[CalibrationSession]:
+    """Return the calibration sessions not yet finished, oldest first."""
+    return session.scalars(
+        select(CalibrationSession)
+        .where(CalibrationSession.state.in_(SESSION.unfinished))
+        .order_by(CalibrationSession.opened_at)
+    ).all()

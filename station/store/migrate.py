@@ -9,7 +9,7 @@ from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, event
 
-from station.errors import StationError
+from station.errors import StationError, StoreNewer
 from station.store.connecting import open_engine
 from station.store.integrity import file_of
 
@@ -28,9 +28,10 @@ def migrate(url: str, revision: str = NEWEST, *, losing: bool = False) -> None:
 
     Raises
     ------
+    StoreNewer
+        If the database is of a newer version of the station; nothing is changed then.
     StationError
-        If the database is of a newer version of the station, if rows would be left that refer to
-        none, or an audit trail would be lost; nothing is changed then.
+        If rows would be left that refer to none, or an audit trail would be lost; likewise.
     """
     present = revision_of(url)
     ensure_known(present)
@@ -62,13 +63,13 @@ def ensure_known(revision: str | None) -> None:
 
     Raises
     ------
-    StationError
+    StoreNewer
         If this version has no step that leads to its revision.
     """
     steps = ScriptDirectory.from_config(_config())
     known = {step.revision for step in steps.walk_revisions()}
     if revision is not None and revision not in known:
-        raise StationError(
+        raise StoreNewer(
             f"the store is at revision {revision}, this version knows up to {max(known)}; "
             "install the version that made it, or restore an older backup"
         )

@@ -7,10 +7,15 @@ from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session
 
 from station.store.activations import active
-from station.store.paging import Cursor, Page, newest_page, page_of
-from station.store.recalibration_tables import KeptPieceCheck, Recalibration
 from station.store.states import JOB, RecalibrationState
-from station.store.tables import Activation, Calibration, Job, Recording
+from station.store.tables import (
+    Activation,
+    Calibration,
+    Job,
+    KeptPieceCheck,
+    Recalibration,
+    Recording,
+)
 
 RUNNING = (RecalibrationState.WAITING, RecalibrationState.RUNNING)
 
@@ -122,22 +127,6 @@ def recordings_under(
     ).all()
 
 
-def activation_of(session: Session, sensor: str, version: int) -> Activation:
-    """Return an activation of a sensor that is known to have been."""
-    return session.scalars(
-        select(Activation).where(Activation.sensor == sensor).where(Activation.version == version)
-    ).one()
-
-
-def activations_page(
-    session: Session, sensor: str, *, limit: int, before: int | None = None
-) -> Page[Activation]:
-    """Return the calibrations that came into force on a sensor, the last one first."""
-    query = select(Activation).where(Activation.sensor == sensor)
-    query = query if before is None else query.where(Activation.version < before)
-    return page_of(session, query.order_by(Activation.version.desc()), limit)
-
-
 def reasons_for(
     session: Session, activations: Sequence[Activation]
 ) -> dict[int, tuple[Calibration, Recalibration | None]]:
@@ -159,16 +148,6 @@ def reasons_for(
         version: (by_id[calibration_id], by_version.get(version))
         for version, calibration_id in versions.items()
     }
-
-
-def recalibrations_page(
-    session: Session, sensor: str, *, limit: int, before: Cursor | None = None
-) -> Page[Recalibration]:
-    """Return a sensor's recalibrations, the newest first, from those older than the key."""
-    query = select(Recalibration).where(Recalibration.sensor == sensor)
-    return newest_page(
-        session, query, Recalibration.ordered_at, Recalibration.id, limit=limit, before=before
-    )
 
 
 def _of(sensor: str) -> Select[Recalibration]:

@@ -7,9 +7,8 @@ from enum import StrEnum
 from sqlalchemy import ColumnElement, or_, select
 from sqlalchemy.orm import Session
 
-from station.store.paging import ALWAYS, Cursor, Page, Span, newest_page
-from station.store.replay_tables import Replay, ReplayMeasurement
-from station.store.tables import Measurement, Recording
+from station.store.lists import ALWAYS, Cursor, Page, Span, newest_page
+from station.store.tables import Measurement, Recording, Replay, ReplayMeasurement
 
 _REPLAYS_LOOKED_AT = 200
 
@@ -78,16 +77,19 @@ def measured_from(session: Session, recording_id: str) -> Sequence[Measurement]:
 
 
 def measured_together_with(session: Session, recording: Recording) -> Sequence[Measurement]:
-    """Return the wheels of its pass that its sensor saw with others of its rig.
+    """Return the wheels of its pass that its sensor saw with others of its rig, as it was recorded.
 
-    Of each the one that was measured first; they are kept with a frame of another recording.
+    Of each the one that was measured first; they are kept with a frame of another recording.  What
+    was measured once more with other calibrations is not among them: a replay's are `replayed_as`.
     """
-    if recording.pass_id is None:
+    if recording.pass_id is None or recording.rig_calibration_id is None:
         return []
     found = session.scalars(
         select(Measurement)
+        .join(Recording, Measurement.recording_id == Recording.id)
         .where(Measurement.pass_id == recording.pass_id)
-        .where(Measurement.rig_calibration_id.is_not(None))
+        .where(Measurement.calibration_id == Recording.calibration_id)
+        .where(Measurement.rig_calibration_id == recording.rig_calibration_id)
         .where(Measurement.recording_id != recording.id)
         .order_by(Measurement.id)
     )

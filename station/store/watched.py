@@ -7,9 +7,8 @@ from datetime import datetime
 from sqlalchemy import func, select, text
 from sqlalchemy.orm import Session
 
-from station.store.recalibration_tables import Recalibration
 from station.store.states import JobState, PassState
-from station.store.tables import Job, JsonObject, Measurement, Pass, Recording
+from station.store.tables import Job, JsonObject, Measurement, Pass, Recalibration, Recording
 
 
 def last_pass_recording(session: Session, sensor: str) -> tuple[Recording, Pass] | None:
@@ -43,6 +42,23 @@ def queued_jobs(session: Session) -> dict[str, tuple[int, datetime]]:
         .group_by(Job.kind)
     )
     return {kind: (count, oldest) for kind, count, oldest in rows}
+
+
+def counts_by_state(session: Session, table: type[Pass] | type[Job]) -> dict[str, int]:
+    """Return how many passes, or jobs, are in each state."""
+    rows = session.execute(select(table.state, func.count()).group_by(table.state))
+    return {state.value: count for state, count in rows}
+
+
+def frame_totals(session: Session) -> dict[tuple[str, str], int]:
+    """Return the frames of all recordings made here, by sensor and by what became of them."""
+    fates = ("recorded", "lost", "repeated", "refused")
+    columns = [func.coalesce(func.sum(getattr(Recording, fate)), 0) for fate in fates]
+    own = select(Recording.sensor, *columns).where(Recording.sha256.is_(None))
+    rows = session.execute(own.group_by(Recording.sensor))
+    return {
+        (row[0], fate): count for row in rows for fate, count in zip(fates, row[1:], strict=True)
+    }
 
 
 @dataclass(frozen=True, slots=True)

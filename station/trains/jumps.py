@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from sqlalchemy.orm import Session
 
 from measure import Jump, Limits, Placing, Quantity, jump_between
-from station.store import Appearance, AxleWheel, JsonObject, Measurement, Pass, history_of
+from station.store import AxleWheel, JsonObject, Measurement, Pass
+from station.store.measured import Appearance, history_of
 from station.trains.wheels import Seen, comparable
 
 

@@ -11,16 +11,8 @@ from station.back_to_back import back_to_back_of
 from station.documents import StandingDocument
 from station.limits import limits_of
 from station.settings import SensorSettings, StationSettings, TrackSettings
-from station.store import (
-    AxleWheel,
-    JsonObject,
-    Measurement,
-    Pass,
-    Recording,
-    recordings_of,
-    replace_axles,
-    wheels_of,
-)
+from station.store import AxleWheel, JsonObject, Measurement, Pass, Recording, recordings_of
+from station.store.measured import replace_axles, wheels_of
 from station.trains.consist import Consist
 from station.trains.jumps import jumps_of
 from station.trains.wheels import surest

@@ -19,7 +19,8 @@ from measure import (
     spread,
 )
 from station.back_to_back import NO_TRACK
-from station.store import AxleWheel, JsonObject, Measurement, Pass, axles_of
+from station.store import AxleWheel, JsonObject, Measurement, Pass
+from station.store.measured import axles_of
 from station.trains.alarms import AxleAlarm, axle_alarms, name_of, wheel_alarms
 from station.trains.consist import Consist
 from station.trains.wheels import readings_of

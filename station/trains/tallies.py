@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from sqlalchemy.orm import Session
 
 from measure import Alarm, Side
-from station.store import WheelLevels, wheel_levels
+from station.store.measured import WheelLevels, wheel_levels
 
 
 @dataclass(frozen=True, slots=True)

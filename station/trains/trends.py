@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from measure import Alarm, Limits, Quantity, Rate, Side, Status, TrendPoint, fit_trend
 from station.errors import NotFound
-from station.store import history_of
+from station.store.measured import history_of
 from station.trains.jumps import jump_to
 from station.trains.wheels import Seen
 

@@ -6,7 +6,8 @@ from datetime import datetime
 from typing import Self
 
 from measure import Alarm, Quantity, Reading, Status, TrendPoint
-from station.store import Appearance, JsonObject, Measurement
+from station.store import JsonObject, Measurement
+from station.store.measured import Appearance
 
 _DAY_S = 86_400.0
 

@@ -14,12 +14,9 @@ from station.store import (
     Recording,
     active,
     active_rig,
-    alarm_of,
-    asking_recalibrations,
-    last_pass_recording,
-    last_recalibration,
-    queued_jobs,
 )
+from station.store.recalibrations import alarm_of, asking_recalibrations
+from station.store.watched import last_pass_recording, last_recalibration, queued_jobs
 from station.watching.troubles import (
     CONTROLLER,
     WORKER,

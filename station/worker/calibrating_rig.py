@@ -4,9 +4,9 @@ from pathlib import Path
 
 from calib import Target
 from measure import Side
-from station.documents import CalibrationDocument, RigDocument
+from station.documents import CalibrationDocument
 from station.errors import InputUnusable
-from station.pipeline import RigOrder
+from station.pipeline import RigOrder, RigOutcome
 from station.settings import StationSettings
 from station.store import (
     CALIBRATION,
@@ -17,6 +17,7 @@ from station.store import (
     JsonObject,
     Recording,
     RigCalibration,
+    RigCalibrationPoints,
     end,
     the,
 )
@@ -31,7 +32,7 @@ def calibrate_rig(context: WorkContext, job_id: str) -> None:
         return
     try:
         sources, order = _order(context, job)
-        document = context.mathematics.calibrate_rig(
+        outcome = context.mathematics.calibrate_rig(
             sources, order, progress=JobProgress(context, job.id)
         )
     except JobCancelled:
@@ -39,7 +40,7 @@ def calibrate_rig(context: WorkContext, job_id: str) -> None:
     except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
         fail_rig_calibration(context, job_id, one_line(error, job_id))
         return
-    _keep(context, job, document)
+    _keep(context, job, outcome)
 
 
 def _order(context: WorkContext, job: Job) -> tuple[list[Path], RigOrder]:
@@ -81,7 +82,7 @@ def _rig_order(
     )
 
 
-def _keep(context: WorkContext, job: Job, document: RigDocument) -> None:
+def _keep(context: WorkContext, job: Job, outcome: RigOutcome) -> None:
     with context.store.change() as session:
         present = the(session, Job, job.id)
         if present.state is not JobState.RUNNING:  # cancelled while the last step ran
@@ -89,8 +90,12 @@ def _keep(context: WorkContext, job: Job, document: RigDocument) -> None:
         calibration = the(session, RigCalibration, job.subject)
         CALIBRATION.check(calibration.id, calibration.state, CalibrationState.READY)
         calibration.state = CalibrationState.READY
-        calibration.document = document.model_dump_json()
-        calibration.passed = document.passed
+        calibration.document = outcome.document.model_dump_json()
+        calibration.passed = outcome.document.passed
+        session.add_all(
+            RigCalibrationPoints(rig_calibration_id=calibration.id, sensor=sensor, csv=text)
+            for sensor, text in outcome.points_csv.items()
+        )
         end(present, JobState.DONE, at=context.now())
 
 

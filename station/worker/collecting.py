@@ -13,9 +13,9 @@ from station.store import (
     Recalibration,
     Recording,
     SessionState,
-    recordings_taken,
     the,
 )
+from station.store.recalibrations import recordings_taken
 from station.worker.capturing import capture_session
 from station.worker.context import WorkContext
 from station.worker.quiet import Quiet

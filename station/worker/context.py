@@ -10,7 +10,7 @@ from calib import CameraModel, Method, Target
 from measure import Limits
 from station.documents import CalibrationDocument, MeasurementDocument, RigDocument
 from station.operations import Capture, DataLayout, utc_now
-from station.pipeline import CalibrationOutcome, Resumption, RigOrder
+from station.pipeline import CalibrationOutcome, Resumption, RigOrder, RigOutcome
 from station.progress import Progress
 from station.settings import MountingSettings, StationSettings
 from station.store import Store
@@ -53,7 +53,7 @@ class CalibrateRig(Protocol):
 
     def __call__(
         self, sources: Sequence[Path], order: RigOrder, *, progress: Progress
-    ) -> RigDocument: ...
+    ) -> RigOutcome: ...
 
 
 class MeasureRig(Protocol):

@@ -12,14 +12,8 @@ from measure import PieceVerdict
 from station.documents import CalibrationDocument
 from station.operations import last_good_check
 from station.recalibration import Difference, Evidence, Outcome, PieceFindings, largest_ratio
-from station.store import (
-    Calibration,
-    Recalibration,
-    RecalibrationState,
-    active,
-    decided_against,
-    the,
-)
+from station.store import Calibration, Recalibration, RecalibrationState, active, the
+from station.store.recalibrations import decided_against
 from station.worker.comparing import sheet_difference, soundness_of, whole_difference
 from station.worker.context import WorkContext
 from station.worker.quiet import Quiet

@@ -9,7 +9,8 @@ from station.documents import WheelDocument
 from station.errors import RecordingUnreadable, StationError
 from station.pipeline import Looker, Resumption, WheelFollower
 from station.recording import GrowingRecording
-from station.store import Measurement, Pass, PassState, Recording, keep_followed, note_followed, the
+from station.store import Measurement, Pass, PassState, Recording, the
+from station.store.measured import keep_followed, note_followed
 from station.worker.context import WorkContext
 from station.worker.resuming import Means, to_note
 from station.worker.rows import measurement_row, recording_of

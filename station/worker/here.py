@@ -7,15 +7,8 @@ from station.operations import DataLayout, add_recalibration
 from station.pipeline import calibrate_rig_sources, calibrate_sources, measure_rig, measure_sources
 from station.processes.lock import held
 from station.settings import StationSettings
-from station.store import (
-    Actor,
-    Recalibration,
-    Store,
-    active,
-    migrate,
-    running_recalibration,
-    the,
-)
+from station.store import Actor, Recalibration, Store, active, migrate, the
+from station.store.recalibrations import running_recalibration
 from station.worker.context import Mathematics, WorkContext
 from station.worker.recalibrating import recalibrate
 

@@ -20,11 +20,11 @@ from station.store import (
     Recalibration,
     Recording,
     activation_of,
-    add_measurements,
     end,
-    recordings_under,
     the,
 )
+from station.store.measured import add_measurements
+from station.store.recalibrations import recordings_under
 from station.worker.context import WorkContext
 from station.worker.measuring import StepResult
 from station.worker.measuring_rig_again import measure_on_rig_again

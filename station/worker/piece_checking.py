@@ -8,14 +8,8 @@ from station.documents import CalibrationDocument, PieceCheck, PieceDocument
 from station.errors import StationError
 from station.pipeline import check_piece
 from station.settings import PieceSettings
-from station.store import (
-    Calibration,
-    KeptPieceCheck,
-    Recalibration,
-    Recording,
-    first_piece_check,
-    the,
-)
+from station.store import Calibration, KeptPieceCheck, Recalibration, Recording, the
+from station.store.recalibrations import first_piece_check
 from station.worker.context import WorkContext
 from station.worker.quiet import Quiet
 

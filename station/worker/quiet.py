@@ -7,14 +7,8 @@ from datetime import timedelta
 from sqlalchemy.orm import Session
 
 from station.errors import StationError
-from station.store import (
-    Pass,
-    PassState,
-    Recalibration,
-    counts_by_state,
-    pass_in_progress,
-    report_progress,
-)
+from station.store import Pass, PassState, Recalibration, pass_in_progress, report_progress
+from station.store.watched import counts_by_state
 from station.worker.context import WorkContext
 from station.worker.reporting import JobCancelled, JobProgress
 

@@ -19,11 +19,10 @@ from station.store import (
     Recording,
     Replay,
     RigCalibration,
-    add_measurements,
     end,
-    note_measured,
     the,
 )
+from station.store.measured import add_measurements, note_measured
 from station.worker.context import WorkContext
 from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
 from station.worker.rows import RecordedOnRig, measurement_row, rows_on_rig

@@ -11,10 +11,8 @@ from station.limits import limits_of
 from station.pipeline import Resumption, load_reference
 from station.recording import FilePlace, has_place
 from station.software import SOFTWARE
-from station.store import (
-    Following,
-    Measurement,
-    Recording,
+from station.store import Following, Measurement, Recording
+from station.store.measured import (
     add_measurements,
     end_following,
     followings_of,

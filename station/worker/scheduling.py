@@ -7,7 +7,8 @@ from sqlalchemy.orm import Session
 
 from station.operations import add_recalibration
 from station.recalibration import Schedule, owed
-from station.store import Actor, Recalibration, active, running_recalibration, settled_until
+from station.store import Actor, Recalibration, active
+from station.store.recalibrations import running_recalibration, settled_until
 from station.worker.context import WorkContext
 
 _log = structlog.get_logger()

@@ -70,14 +70,6 @@ def test_another_frame_moves_all_points_alike_and_turns_the_covariance(rng):
     )
 
 
-def test_part_of_a_rig_keeps_its_covariance(rng):
-    one = rig(rng)
-    part = one.only(["b"])
-    assert part.names == ("b",)
-    at = one.columns("b")
-    np.testing.assert_array_equal(part.covariance, one.covariance[np.ix_(at, at)])
-
-
 def test_a_later_calibration_moves_the_pose_as_regression_says(rng):
     one = rig(rng)
     own, pose = one.columns("a")[:13], one.columns("b")[-6:]

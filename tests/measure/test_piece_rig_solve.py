@@ -196,7 +196,7 @@ def test_names_and_sigmas_that_do_not_agree_are_refused(rig, about, words):
 
 def test_one_sensor_is_no_rig_to_be_found(rig, shots):
     with pytest.raises(ValueError, match="two or more"):
-        solved(rig.only(["inner"]), shots)
+        solved(Rig.of_one(SENSOR, rig["inner"].rig_from_camera, "inner"), shots)
 
 
 def test_what_sensors_are_off_by_moves_the_poses_as_the_covariance_says(rig, shots, found):

@@ -66,6 +66,11 @@ class PostgresServer:
             self._control, "-D", self._data, "-o", options, "-l", self.root / "log", "-w", "start"
         )
 
+    @property
+    def pid(self):
+        """The process that takes connections."""
+        return int((self._data / "postmaster.pid").read_text().splitlines()[0])
+
     def crash(self):
         """End the server at once, its connections with it."""
         self._run(self._control, "-D", self._data, "-m", "immediate", "stop")

@@ -5,13 +5,14 @@ import os
 import re
 import shlex
 import signal
-import socket
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from station.processes.port import port_for_later
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
@@ -87,7 +88,7 @@ class ReadersShell:
         self.folder = folder
         self._log = folder.with_suffix(".log")
         folder.mkdir()
-        script = "\n".join(_lines(blocks, str(_free_port())))
+        script = "\n".join(_lines(blocks, str(port_for_later())))
         commands = Path(sys.executable).parent
         here = {"PATH": f"{commands}:{os.environ['PATH']}", "NO_PROXY": "*", "no_proxy": "*"}
         with self._log.open("w") as log:
@@ -149,8 +150,3 @@ def _may_say_no(text: str) -> str:
     """Let the last command exit with 1: what looks for something wrong may find it."""
     before, _, last = text.rstrip("\n").rpartition("\n")
     return f"{before}\n{{ {last}\n}} || [ $? = 1 ]"
-
-
-def _free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        return int(taken.getsockname()[1])

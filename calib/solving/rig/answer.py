@@ -7,6 +7,7 @@ from calib.arrays import FloatArray
 from calib.calibration import SolvedView, Termination
 from calib.rig import Rig
 from calib.rigid import RigidTransform
+from calib.views import View
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,6 +23,8 @@ class SolvedRigView:
     solved
         The pose of the board, and what became of its points as the board numbers them; or why the
         picture was left out.
+    seen
+        What was seen in it, its points in the order of those solved; numbered as they came.
     """
 
     showing: str
@@ -29,6 +32,7 @@ class SolvedRigView:
     board: str
     quarters: int
     solved: SolvedView
+    seen: View
 
 
 @dataclass(frozen=True, slots=True, eq=False)

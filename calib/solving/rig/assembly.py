@@ -114,7 +114,8 @@ def solved_pictures(
         name, board = problem.sensors[channel.sensor], problem.boards[channel.board]
         for view, showing in zip(solved, channel.showing, strict=True):
             key = (problem.showings[showing], name)
-            found[key] = SolvedRigView(key[0], name, board, seen[key].quarters, view)
+            own = seen[key]
+            found[key] = SolvedRigView(key[0], name, board, own.quarters, view, own.view)
     return found
 
 

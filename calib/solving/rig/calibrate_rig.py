@@ -16,6 +16,7 @@ from calib.solving.rig.assembly import (
     solved_rig,
 )
 from calib.solving.rig.bent import without_bent_sheets
+from calib.solving.rig.contradicting import require_agreement
 from calib.solving.rig.doubts import Doubts, doubts_of
 from calib.solving.rig.links import require_shared
 from calib.solving.rig.problem import Given, RigProblem, first_state
@@ -23,7 +24,7 @@ from calib.solving.rig.reach import reach_of, reach_warnings
 from calib.solving.rig.seen import SeenView, seen_views
 from calib.solving.rig.showing import RigShowing, check_names
 from calib.solving.rig.solve import RigSolution, solve_rig
-from calib.solving.rig.start import RigStart, require_agreement, start_rig
+from calib.solving.rig.start import RigStart, start_rig
 from calib.solving.rig.warnings import (
     board_warnings,
     calibration_warnings,
@@ -227,6 +228,7 @@ def _all_views(
             board,
             0,
             SolvedView(view.name, None, None, None, left_out=reasons[showing.name, sensor]),
+            view,
         )
         for showing in showings
         for sensor, (board, view) in showing.views.items()

@@ -8,11 +8,11 @@ import numpy as np
 from calib.arrays import FloatArray
 from calib.solving.joint.normal_equations import NormalEquations
 from calib.solving.joint.parameters import POSE_SIZE
+from calib.solving.rig.contradicting import contradiction
 from calib.solving.rig.place import ChannelPlace
 from calib.solving.rig.problem import Channel, RigProblem
 from calib.solving.rig.seen import LEAST_BELIEVED
 from calib.solving.rig.solve import RigSolution
-from calib.solving.rig.start import contradiction
 
 # Chi square of six that a true showing exceeds once in 10 million; its median.
 _MOST_SURPRISE, _MEDIAN_SURPRISE = 43.0, 5.35

@@ -8,7 +8,7 @@ from station.api.audit_answers import AuditEntryModel, AuditPage
 from station.api.callers import Administrator
 from station.api.parts import PartsOf
 from station.api.requests import Limit
-from station.store import audit_page
+from station.store.lists import audit_page
 
 router = APIRouter(prefix="/v1/audit", tags=["station"])
 

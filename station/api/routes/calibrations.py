@@ -15,6 +15,7 @@ from station.api.list_answers import CalibrationsPage
 from station.api.paging import Before, cursor_in
 from station.api.parts import PartsOf
 from station.api.recalibration_requests import RefusalRequest
+from station.api.remembered import from_the_store
 from station.api.requests import (
     ActivationRequest,
     CalibrationRequest,
@@ -22,6 +23,7 @@ from station.api.requests import (
     Limit,
     SensorInPath,
 )
+from station.api.shift_answers import ShiftsModel
 from station.operations import (
     CalibrationOrder,
     activate_calibration,
@@ -31,7 +33,8 @@ from station.operations import (
     refuse_calibration,
 )
 from station.settings import SensorId
-from station.store import Calibration, calibrations_page, the
+from station.store import Calibration, the
+from station.store.lists import calibrations_page
 
 router = APIRouter(prefix="/v1", tags=["calibration"])
 
@@ -89,6 +92,13 @@ def post_refusal(
     """Refuse a calibration: it stays to be looked at, and cannot come into force."""
     row = refuse_calibration(parts.station, calibration_id, why=body.reason, by=by)
     return CalibrationModel.of(row, json.loads(row.document) if row.document else None)
+
+
+@router.get("/calibrations/{calibration_id}/shifts")
+@from_the_store
+def get_shifts(calibration_id: IdInPath, parts: PartsOf, _: Reader) -> ShiftsModel:
+    """Return by how much readings shift once a calibration is in force."""
+    return ShiftsModel.of(calibration_id, parts.guiding.shifts(calibration_id))
 
 
 @router.get(

@@ -17,7 +17,8 @@ from station.api.parts import Parts, PartsOf
 from station.api.remembered import from_the_store
 from station.api.requests import CallersId, IdInPath, Limit
 from station.operations import cancel_job
-from station.store import JOB, Job, JobKind, JobState, jobs_page, the
+from station.store import JOB, Job, JobKind, JobState, the
+from station.store.lists import jobs_page
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 

@@ -20,7 +20,8 @@ from station.api.requests import (
     WheelsetId,
 )
 from station.api.wheel_answers import WheelsModel
-from station.store import PassState, passes_page, recordings_by_pass
+from station.store import PassState
+from station.store.lists import passes_page, recordings_by_pass
 from station.trains import Named
 
 router = APIRouter(prefix="/v1/passes", tags=["passes"])

@@ -22,13 +22,9 @@ from station.operations import (
     order_recalibration,
     sensor_at,
 )
-from station.store import (
-    Recalibration,
-    activations_page,
-    reasons_for,
-    recalibrations_page,
-    the,
-)
+from station.store import Recalibration, the
+from station.store.lists import activations_page, recalibrations_page
+from station.store.recalibrations import reasons_for
 
 router = APIRouter(prefix="/v1", tags=["calibration"])
 

@@ -16,7 +16,8 @@ from station.api.remembered import from_the_store
 from station.api.requests import CallersId, Limit, RecordingInPath
 from station.operations import recording_file
 from station.settings import SensorId
-from station.store import Recording, recordings_page, the
+from station.store import Recording, the
+from station.store.lists import recordings_page
 
 router = APIRouter(prefix="/v1/recordings", tags=["recordings"])
 

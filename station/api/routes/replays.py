@@ -11,7 +11,8 @@ from station.api.parts import PartsOf
 from station.api.replay_answers import ReplayModel, ReplaysPage
 from station.api.requests import CallersId, IdInPath, Limit, ReplayRequest
 from station.operations import ReplayOrder, order_replay, replay_view
-from station.store import Replay, replays_page, the
+from station.store import Replay, the
+from station.store.lists import replays_page
 
 router = APIRouter(prefix="/v1/replays", tags=["measurements"])
 

@@ -19,7 +19,9 @@ from station.api.remembered import from_the_store
 from station.api.requests import CallersId, Limit, WheelsetId
 from station.api.wheel_answers import MeasurementModel, MeasurementsPage
 from station.settings import SensorId
-from station.store import Measurement, measurements_page, places_of, profiles_of, the
+from station.store import Measurement, the
+from station.store.lists import measurements_page
+from station.store.measured import places_of, profiles_of
 
 router = APIRouter(prefix="/v1/measurements", tags=["measurements"])
 

@@ -4,6 +4,7 @@ import json
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Response
+from fastapi.responses import PlainTextResponse
 
 from calib import Target
 from station.api.actors import By
@@ -20,6 +21,7 @@ from station.api.requests import (
     Limit,
     RigCalibrationRequest,
     RigInPath,
+    SensorInPath,
 )
 from station.documents import RigDocument
 from station.operations import (
@@ -30,9 +32,11 @@ from station.operations import (
     order_rig_calibration,
     refuse_rig_calibration,
     rig_at,
+    rig_calibration_points,
 )
 from station.settings import SensorId
-from station.store import RigCalibration, rig_activations_page, rig_calibrations_page, the
+from station.store import RigCalibration, the
+from station.store.lists import rig_activations_page, rig_calibrations_page
 
 router = APIRouter(prefix="/v1", tags=["calibration"])
 
@@ -93,6 +97,19 @@ def get_rig_calibration(calibration_id: IdInPath, parts: PartsOf, _: Reader) -> 
     with parts.station.store.look() as session:
         row = the(session, RigCalibration, calibration_id)
     return RigCalibrationModel.of(row, json.loads(row.document) if row.document else None)
+
+
+@router.get(
+    "/rig-calibrations/{calibration_id}/points/{sensor_id}",
+    response_class=PlainTextResponse,
+    responses={200: {"content": {"text/csv": {}}}},
+)
+def get_rig_points(
+    calibration_id: IdInPath, sensor_id: SensorInPath, parts: PartsOf, _: Reader
+) -> Response:
+    """Return the points of one sensor's pictures in a rig's calibration as CSV."""
+    text = rig_calibration_points(parts.station, calibration_id, sensor_id)
+    return Response(text, media_type="text/csv")
 
 
 @router.post("/rig-calibrations/{calibration_id}/refusal")

@@ -26,8 +26,9 @@ that has any.  It has an ``ETag``: send it back as ``If-None-Match``, and while 
 frame the answer is 304 and nothing was made.  A script sets that header itself (answers are not to
 be stored), and gets the 304 to see.  Newer frames come at most 6 times a second.
 
-``source=look``, scope operate: the camera takes a picture now, as its settings say; it is recorded
-nowhere.  409 with ``state`` unless the sensor is idle; a train that comes goes first.
+``source=look``, scope operate or calibrate: the camera takes a picture now, as its settings say; it
+is recorded nowhere.  409 with ``state`` unless the sensor is idle, or in a calibration session
+between two pictures; a train that comes goes first.
 
 404 where the sensor has recorded nothing, 503 with ``Retry-After: 1`` where too many wait already.
 """
@@ -47,7 +48,7 @@ from station.api.view_answers import (
     not_modified,
 )
 from station.operations import Shown, sensor_at
-from station.store import Caller, Scope
+from station.store.callers import Caller, Scope
 from station.viewing import Form
 
 router = APIRouter(prefix="/v1/sensors/{sensor_id}", tags=["sensors"])
@@ -120,7 +121,8 @@ async def _shown(
         return await parts.turns.take(
             None, lambda: showing.newest(sensor, form, max_width=max_width, known=known)
         )
-    ensure_may(caller, Scope.OPERATE)
+    if not caller.may(Scope.CALIBRATE):  # who takes pictures of a target aims it first
+        ensure_may(caller, Scope.OPERATE)
     camera_of = sensor_at(parts.station.settings, sensor).id  # no turns for names of nothing
     return await parts.turns.take(
         camera_of, lambda: showing.look(sensor, form, max_width=max_width)

@@ -13,7 +13,7 @@ from station.api.remembered import from_the_store
 from station.api.requests import IdInPath, Limit, SessionRequest
 from station.operations import SessionOrder
 from station.settings import SensorId
-from station.store import recordings_by_session, sessions_page
+from station.store.lists import recordings_by_session, sessions_page
 
 router = APIRouter(prefix="/v1/calibration-sessions", tags=["calibration"])
 

@@ -16,13 +16,8 @@ from station.operations import Station
 from station.processes.threads import at_a_time
 from station.settings import RigSettings, SensorSettings, StationSettings
 from station.software import SOFTWARE
-from station.store import (
-    active,
-    active_rig,
-    alarm_of,
-    asking_recalibrations,
-    pass_in_progress,
-)
+from station.store import active, active_rig, pass_in_progress
+from station.store.recalibrations import alarm_of, asking_recalibrations
 
 router = APIRouter(prefix="/v1", tags=["station"])
 

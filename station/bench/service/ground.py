@@ -19,12 +19,11 @@ from station.store import (
     CalibrationState,
     JobKind,
     JobState,
-    Scope,
     Store,
     add_job,
-    add_key,
     migrate,
 )
+from station.store.callers import Scope, add_key
 
 SENSOR = "left"
 _NETWORK = "127.34"

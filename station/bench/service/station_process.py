@@ -5,7 +5,6 @@ import json
 import os
 import secrets
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -18,6 +17,7 @@ from station.bench.processes import children_of, has_ended, parent_of
 from station.client import StationClient
 from station.errors import StationError
 from station.operations import DataLayout
+from station.processes.port import port_for_later
 
 PATIENCE_S = 120.0
 _LOOK_S = 0.02
@@ -53,7 +53,7 @@ class StationProcess:
     ) -> None:
         self.layout = DataLayout(folder / "data", store_url)
         self.key = secrets.token_urlsafe(32)
-        self._port = _free_port()
+        self._port = port_for_later()
         self._folder = folder
         self._sensor = sensor
         self._log = folder / "station.log"
@@ -194,10 +194,3 @@ def _descends(pid: int, ancestor: int) -> bool:
         except (FileNotFoundError, ProcessLookupError):
             return True  # it has ended meanwhile
     return False
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port

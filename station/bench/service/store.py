@@ -14,7 +14,9 @@ from measure import Limits, Side
 from station.bench.figures import Row, figure
 from station.bench.service.filled_store import Traffic, fill
 from station.progress import Progress
-from station.store import Store, measurements_page, migrate, places_of, sqlite_url
+from station.store import Store, migrate, sqlite_url
+from station.store.lists import measurements_page
+from station.store.measured import places_of
 from station.tables import Table
 from station.trains import wheelset_trend
 

@@ -1,5 +1,7 @@
 """Bringing a calibration into force or refusing it, and answering recalibrations that ask."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Form, Request, Response
@@ -14,53 +16,72 @@ from station.operations import (
 )
 from station.page.going import go_to
 from station.page.shell import ShellOf
-from station.store import Calibration, Recalibration, RigCalibration, the
+from station.store import Calibration, Recalibration, RigCalibration, Store, the
 
 router = APIRouter()
-_SENSOR, _RIG = "/calibrations/{calibration_id}", "/rig-calibrations/{calibration_id}"
 Version = Annotated[int, Form(ge=0, le=2**31 - 1)]
 """Of what was in force when the person looked; 0 where nothing was."""
 Why = Annotated[str, Form(min_length=1, max_length=500)]
 
 
-@router.post(f"{_SENSOR}/activate")
-def post_activate(
-    calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, seen: Version
-) -> Response:
-    """Bring a sensor's calibration into force, unless somebody else changed it meanwhile."""
-    with parts.station.store.look() as session:
-        sensor = the(session, Calibration, calibration_id).sensor
-    activate_calibration(parts.station, sensor, calibration_id, seen=seen or None, by=by)
-    return go_to(f"/calibrations/{calibration_id}")
+@dataclass(frozen=True, slots=True)
+class Decidable:
+    """A kind of calibration that a person decides on.
+
+    Attributes
+    ----------
+    address
+        Its reports are below that.
+    of
+        Returns whose a calibration is, by its id: the name of a sensor, or a rig.
+    activate, refuse
+        The operations.
+    """
+
+    address: str
+    of: Callable[[Store, str], str]
+    activate: Callable[..., object]
+    refuse: Callable[..., object]
+
+    def routes(self) -> APIRouter:
+        """Return the two routes of its decisions."""
+        routes = APIRouter(prefix=f"{self.address}/{{calibration_id}}")
+
+        @routes.post("/activate")
+        def post_activate(
+            calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, seen: Version
+        ) -> Response:
+            """Bring a calibration into force, unless somebody else changed that meanwhile."""
+            name = self.of(parts.station.store, calibration_id)
+            self.activate(parts.station, name, calibration_id, seen=seen or None, by=by)
+            return go_to(f"{self.address}/{calibration_id}")
+
+        @routes.post("/refuse")
+        def post_refuse(
+            calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, why: Why
+        ) -> Response:
+            """Refuse a calibration."""
+            self.refuse(parts.station, calibration_id, why=why, by=by)
+            return go_to(f"{self.address}/{calibration_id}")
+
+        return routes
 
 
-@router.post(f"{_RIG}/activate")
-def post_activate_rig(
-    calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, seen: Version
-) -> Response:
-    """Bring a rig's calibration into force, as a sensor's."""
-    with parts.station.store.look() as session:
-        rig = the(session, RigCalibration, calibration_id).rig
-    activate_rig_calibration(parts.station, rig, calibration_id, seen=seen or None, by=by)
-    return go_to(f"/rig-calibrations/{calibration_id}")
+def _sensor_of(store: Store, calibration_id: str) -> str:
+    with store.look() as session:
+        return the(session, Calibration, calibration_id).sensor
 
 
-@router.post(f"{_SENSOR}/refuse")
-def post_refuse(
-    calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, why: Why
-) -> Response:
-    """Refuse a sensor's calibration."""
-    refuse_calibration(parts.station, calibration_id, why=why, by=by)
-    return go_to(f"/calibrations/{calibration_id}")
+def _rig_of(store: Store, calibration_id: str) -> str:
+    with store.look() as session:
+        return the(session, RigCalibration, calibration_id).rig
 
 
-@router.post(f"{_RIG}/refuse")
-def post_refuse_rig(
-    calibration_id: IdInPath, parts: PartsOf, _: Calibrator, by: By, why: Why
-) -> Response:
-    """Refuse a rig's calibration."""
-    refuse_rig_calibration(parts.station, calibration_id, why=why, by=by)
-    return go_to(f"/rig-calibrations/{calibration_id}")
+for kind in (
+    Decidable("/calibrations", _sensor_of, activate_calibration, refuse_calibration),
+    Decidable("/rig-calibrations", _rig_of, activate_rig_calibration, refuse_rig_calibration),
+):
+    router.include_router(kind.routes())
 
 
 @router.get("/calibration/recalibrations/{recalibration_id}")

@@ -11,16 +11,9 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from station.documents import CalibrationDocument
-from station.store import (
-    Activation,
-    Calibration,
-    CalibrationState,
-    Recalibration,
-    activations_page,
-    active,
-    reasons_for,
-    recalibrations_page,
-)
+from station.store import Activation, Calibration, CalibrationState, Recalibration, active
+from station.store.lists import activations_page, recalibrations_page
+from station.store.recalibrations import reasons_for
 
 _U95 = 1.96
 _MOST = 200

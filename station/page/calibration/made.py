@@ -6,12 +6,8 @@ from datetime import datetime
 
 from sqlalchemy.orm import Session
 
-from station.store import (
-    Calibration,
-    RigCalibration,
-    calibrations_page,
-    rig_calibrations_page,
-)
+from station.store import Calibration, RigCalibration
+from station.store.lists import calibrations_page, rig_calibrations_page
 
 _MOST = 40
 

@@ -21,12 +21,10 @@ from station.store import (
     SessionState,
     active,
     active_rig,
-    alarm_of,
-    asking_recalibrations,
-    last_decided,
-    sessions_page,
     the,
 )
+from station.store.lists import sessions_page
+from station.store.recalibrations import alarm_of, asking_recalibrations, last_decided
 
 _KINDS = (JobKind.CALIBRATE, JobKind.CALIBRATE_RIG, JobKind.RECALIBRATE, JobKind.MEASURE_AGAIN)
 _SESSIONS = 8

@@ -1,4 +1,4 @@
-"""Reports of calibrations, and the figures that their drawings are made of."""
+"""The report of a sensor's calibration, and the figures that its drawings are made of."""
 
 from typing import Annotated, Final
 
@@ -9,13 +9,14 @@ from station.api import IdInPath, PartsOf, Reader, for_a_moment, from_the_store
 from station.documents import CalibrationDocument
 from station.errors import NotFound, StateConflict
 from station.operations import Station, calibration_points, pictures_of
-from station.page.calibration.figures import figures_of, picture_of
-from station.page.calibration.report import Report, report_of, rig_report_of
+from station.page.calibration.figures import figures_of, size_of
+from station.page.calibration.pictures import picture_of
+from station.page.calibration.report import Report, report_of
+from station.page.calibration.solving import solving_answer
 from station.page.shell import ShellOf
 from station.store import Calibration, the
 
-router = APIRouter()
-_SENSOR, _RIG = "/calibrations/{calibration_id}", "/rig-calibrations/{calibration_id}"
+router = APIRouter(prefix="/calibrations/{calibration_id}")
 # A page of its own to print: it bears its style and its pictures in itself, and no script.
 _REPORT_HEADERS: Final = {
     "Content-Security-Policy": (
@@ -24,7 +25,7 @@ _REPORT_HEADERS: Final = {
 }
 
 
-@router.get(_SENSOR)
+@router.get("")
 def get_report(
     calibration_id: IdInPath, request: Request, parts: PartsOf, shell: ShellOf, _: Reader
 ) -> Response:
@@ -34,44 +35,17 @@ def get_report(
     return shell.page(request, "calibration/report.html", active="calibration", report=report)
 
 
-@router.get(_RIG)
-def get_rig_report(
-    calibration_id: IdInPath, request: Request, parts: PartsOf, shell: ShellOf, _: Reader
-) -> Response:
-    """Return the report of a rig's calibration."""
-    with parts.station.store.look() as session:
-        report = rig_report_of(session, calibration_id)
-    return shell.page(request, "calibration/report.html", active="calibration", report=report)
-
-
-@router.get(f"{_SENSOR}/solving")
+@router.get("/solving")
 @for_a_moment
 def get_solving(
     calibration_id: IdInPath, request: Request, parts: PartsOf, shell: ShellOf, _: Reader
 ) -> Response:
     """Return how far the solve is; once it has ended, the whole page is loaded anew."""
     with parts.station.store.look() as session:
-        return _solving(request, shell, report_of(session, calibration_id))
+        return solving_answer(request, shell, report_of(session, calibration_id))
 
 
-@router.get(f"{_RIG}/solving")
-@for_a_moment
-def get_rig_solving(
-    calibration_id: IdInPath, request: Request, parts: PartsOf, shell: ShellOf, _: Reader
-) -> Response:
-    """Return how far the solve of a rig is, as of a sensor."""
-    with parts.station.store.look() as session:
-        return _solving(request, shell, rig_report_of(session, calibration_id))
-
-
-def _solving(request: Request, shell: ShellOf, report: Report) -> Response:
-    answer = shell.page(request, "calibration/solving.html", report=report)
-    if not report.solving:
-        answer.headers["HX-Refresh"] = "true"
-    return answer
-
-
-@router.get(f"{_SENSOR}/figures")
+@router.get("/figures")
 @from_the_store
 def get_figures(calibration_id: IdInPath, parts: PartsOf, _: Reader) -> Response:
     """Return what the drawings of a report are made of."""
@@ -86,7 +60,7 @@ def get_figures(calibration_id: IdInPath, parts: PartsOf, _: Reader) -> Response
     return JSONResponse(figures_of(document, points, beside))
 
 
-@router.get(f"{_SENSOR}/pictures/{{place}}")
+@router.get("/pictures/{place}")
 @from_the_store
 def get_picture(
     calibration_id: IdInPath,
@@ -97,13 +71,14 @@ def get_picture(
     """Return the points of one picture, by its place among those of the report."""
     document = _document(parts.station, calibration_id)
     points = calibration_points(parts.station, calibration_id)
-    found = picture_of(document, points, place, pictures_of(parts.station, calibration_id))
+    frames = pictures_of(parts.station, calibration_id)
+    found = picture_of(document, size_of(document), points, place, frames)
     if found is None:
         raise NotFound(f"calibration {calibration_id} has no picture {place}")
     return JSONResponse(found)
 
 
-@router.get(f"{_SENSOR}/report")
+@router.get("/report")
 def get_printable(calibration_id: IdInPath, parts: PartsOf, _: Reader) -> Response:
     """Return the printable report."""
     return HTMLResponse(parts.guiding.report(calibration_id), headers=_REPORT_HEADERS)

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from station.capture import CaptureStatus
 from station.operations import Station
 from station.storage import GB, expected_of_pass
-from station.store import frames_kept_since
+from station.store.watched import frames_kept_since
 
 WATCHED: Final = timedelta(days=7)
 """The rate is that of so long: week-ends have fewer trains."""

@@ -11,16 +11,9 @@ from sqlalchemy.orm import Session
 from measure import Alarm, Quantity, Reading
 from station.capture import CaptureStatus
 from station.page.now.sensors import Doing, doing_of
-from station.store import (
-    HELD,
-    Measurement,
-    Pass,
-    Recording,
-    pass_in_progress,
-    passes_page,
-    recordings_of,
-    wheels_of,
-)
+from station.store import HELD, Measurement, Pass, Recording, pass_in_progress, recordings_of
+from station.store.lists import passes_page
+from station.store.measured import wheels_of
 from station.trains import AxleAlarm, readings_of, train_picture
 
 SHOWN: Final = (Quantity.TREAD_WEAR, Quantity.FLANGE_HEIGHT, Quantity.FLANGE_THICKNESS_10)

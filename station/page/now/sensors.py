@@ -9,7 +9,8 @@ from sqlalchemy.orm import Session
 from station.capture import CaptureState, CaptureStatus
 from station.page.now.calibrations import InForce, of_rig, of_sensor
 from station.settings import SensorSettings, StationSettings
-from station.store import has_frames, session_in_progress
+from station.store import session_in_progress
+from station.store.watched import has_frames
 from station.watching import Outlook, Trouble, TroubleKind, part_of_sensor
 
 _CLOCK_SOURCE, _CLOCK_DRIFT = "clock_source", "clock_drift_ppm"

@@ -9,7 +9,8 @@ from sqlalchemy.orm import Session
 
 from station.api import cursor_in, next_of
 from station.page.passes.search import Search
-from station.store import Pass, PassState, Recording, passes_page, recordings_by_pass
+from station.store import Pass, PassState, Recording
+from station.store.lists import passes_page, recordings_by_pass
 from station.trains import AlarmTally, alarm_tallies
 
 _ROWS = 50

@@ -11,7 +11,8 @@ from station.documents import BackToBackDocument, ReadingDocument
 from station.operations import PassView, PassWheels
 from station.page.passes.list_view import STATE_KIND
 from station.page.passes.marks import Mark, mark_of
-from station.store import PASS, Job, JsonObject, Measurement, Pass, PassState, Recording, jobs_page
+from station.store import PASS, Job, JsonObject, Measurement, Pass, PassState, Recording
+from station.store.lists import jobs_page
 from station.trains import (
     AlarmKind,
     AxleAlarm,

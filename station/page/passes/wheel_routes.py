@@ -14,7 +14,8 @@ from station.page.passes.source_view import source_frames
 from station.page.passes.trend_view import Trended
 from station.page.passes.wheel_view import one_wheel
 from station.page.shell import ShellOf
-from station.store import Measurement, profiles_of, the
+from station.store import Measurement, the
+from station.store.measured import profiles_of
 from station.trains import wheelset_trend
 
 router = APIRouter()

@@ -8,17 +8,8 @@ from sqlalchemy.orm import Session
 from measure import Alarm, Limit, Limits, Quantity, Side
 from station.documents import BackToBackDocument, ReadingDocument, WheelDocument
 from station.page.passes.marks import Mark, mark_of
-from station.store import (
-    AxleWheel,
-    JsonObject,
-    Measurement,
-    Pass,
-    Recording,
-    axles_of,
-    places_of,
-    profiles_of,
-    the,
-)
+from station.store import AxleWheel, JsonObject, Measurement, Pass, Recording, the
+from station.store.measured import axles_of, places_of, profiles_of
 
 
 @dataclass(frozen=True, slots=True)

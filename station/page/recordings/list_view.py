@@ -10,7 +10,8 @@ from station.operations import Station
 from station.page.recordings.condition import Condition, condition_of, missing_in
 from station.page.recordings.search import Search
 from station.storage import files_of_recording
-from station.store import Recording, recordings_found
+from station.store import Recording
+from station.store.recordings_found import recordings_found
 
 _ROWS = 50
 

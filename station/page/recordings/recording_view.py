@@ -9,19 +9,10 @@ from station.operations import Station
 from station.page.recordings.condition import Condition, condition_of, missing_in
 from station.page.recordings.list_view import files_on_disk
 from station.page.recordings.wheels import Wheel, own_readings, wheels_in
-from station.store import (
-    Job,
-    JobState,
-    Pass,
-    Recording,
-    Replay,
-    measured_from,
-    measured_together_with,
-    places_of,
-    recordings_in_use,
-    replays_of,
-    the,
-)
+from station.store import Job, JobState, Pass, Recording, Replay, the
+from station.store.disposal import recordings_in_use
+from station.store.measured import places_of
+from station.store.recordings_found import measured_from, measured_together_with, replays_of
 
 _THUMBNAILS = 16
 
@@ -42,7 +33,9 @@ class OrderedReplay:
     row: Replay
     state: JobState
     calibration: str
-    """What the recording's own sensor was measured with."""
+    """What the recording's own sensor was measured with, where it was measured alone."""
+    rig_calibration: str | None
+    """What it was measured with together with others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,11 +122,12 @@ def _marks(wheel: Wheel) -> tuple[int, int, int]:
 
 
 def _wheels(session: Session, row: Recording) -> tuple[Wheel, ...]:
-    measured = own_readings(row, measured_from(session, row.id))
-    measured += measured_together_with(session, row)
+    together = measured_together_with(session, row)
+    measured = own_readings(row, measured_from(session, row.id), together)
     return wheels_in(row, measured, places_of(session, measured))
 
 
 def _ordered(session: Session, replay: Replay, row: Recording) -> OrderedReplay:
     job = the(session, Job, replay.job_id)
-    return OrderedReplay(replay, job.state, replay.calibrations[row.sensor])
+    own = replay.calibrations[row.sensor]
+    return OrderedReplay(replay, job.state, own, replay.rig_calibration_id)

@@ -8,20 +8,9 @@ from station.errors import NotFound
 from station.operations import Station
 from station.page.recordings.comparison import Compared, compared, profiles_compared
 from station.page.recordings.wheels import own_readings
-from station.store import (
-    JOB,
-    Calibration,
-    Job,
-    JsonObject,
-    Measurement,
-    Recording,
-    Replay,
-    measured_from,
-    measured_together_with,
-    profiles_of,
-    replayed_as,
-    the,
-)
+from station.store import JOB, Calibration, Job, JsonObject, Measurement, Recording, Replay, the
+from station.store.measured import profiles_of
+from station.store.recordings_found import measured_from, measured_together_with, replayed_as
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +26,8 @@ class ReplayPage:
     before_reference: str | None
     before_rig: str | None
     """The rig's calibration, where it had been measured together with others."""
+    together: tuple[str, ...]
+    """The recordings that it was measured together with now."""
     wheels: tuple[Compared, ...]
     refused: str | None
     """Why the recording could not be measured."""
@@ -68,9 +59,9 @@ def replay_page(station: Station, recording_id: str, replay_id: str) -> ReplayPa
     with station.store.look() as session:
         recording = the(session, Recording, recording_id)
         row = the(session, Replay, replay_id)
-        if recording.sensor not in row.calibrations or not _is_of(row, recording_id):
-            raise NotFound(f"replay {replay_id} is not of recording {recording_id}")
-        after = [each for each in replayed_as(session, row.id) if each.recording_id == recording.id]
+        step = _step_of(row, recording_id)
+        # A rig's wheels are kept with the frames of whichever of its sensors saw them best.
+        after = [each for each in replayed_as(session, row.id) if each.recording_id in step]
         before = _measured_before(session, recording, after)
         return ReplayPage(
             recording=recording,
@@ -80,8 +71,9 @@ def replay_page(station: Station, recording_id: str, replay_id: str) -> ReplayPa
             after=the(session, Calibration, row.calibrations[recording.sensor]),
             before_reference=before[0].reference if before else None,
             before_rig=before[0].rig_calibration_id if before else None,
+            together=tuple(each for each in step if each != recording.id),
             wheels=compared(before, after),
-            refused=row.results.get(recording.id, {}).get("refused"),
+            refused=row.results.get(step[0], {}).get("refused"),
         )
 
 
@@ -102,14 +94,24 @@ def compared_profiles(station: Station, before: int | None, after: int | None) -
     return profiles_compared(first, second) or {}
 
 
-def _is_of(row: Replay, recording_id: str) -> bool:
-    return any(recording_id in step for step in row.steps["steps"])
+def _step_of(row: Replay, recording_id: str) -> list[str]:
+    """Return the recordings that were measured together with one; NotFound where none was."""
+    for step in row.steps["steps"]:
+        if recording_id in step:
+            return list(step)
+    raise NotFound(f"replay {row.id} is not of recording {recording_id}")
 
 
 def _measured_before(
     session: Session, recording: Recording, after: list[Measurement]
 ) -> list[Measurement]:
-    """Return what a replay is compared with: the recording's own readings, else its rig's."""
+    """Return what a replay is compared with: the recording's own readings, also its rig's."""
     known = {each.id for each in after}
-    others = [each for each in measured_from(session, recording.id) if each.id not in known]
-    return own_readings(recording, others) or list(measured_together_with(session, recording))
+    own, together = (
+        [each for each in found if each.id not in known]
+        for found in (
+            measured_from(session, recording.id),
+            measured_together_with(session, recording),
+        )
+    )
+    return own_readings(recording, own, together)

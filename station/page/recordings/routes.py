@@ -14,7 +14,7 @@ from station.page.recordings.recording_view import recording_page, wheel_frames
 from station.page.recordings.search import Search
 from station.page.shell import ShellOf
 from station.recording import LOSSES
-from station.store import RecordingKind
+from station.store.recordings_found import RecordingKind
 
 router = APIRouter()
 

@@ -6,7 +6,7 @@ from zoneinfo import ZoneInfo
 from pydantic import Field
 
 from station.page.searching import ListSearch
-from station.store import RecordingKind, RecordingSearch
+from station.store.recordings_found import RecordingKind, RecordingSearch
 
 
 class Search(ListSearch):

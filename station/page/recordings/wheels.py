@@ -72,16 +72,36 @@ def wheels_in(
     return tuple(_wheel(recording, row, places.get(row.id)) for row in measurements)
 
 
-def own_readings(recording: Recording, measured: Sequence[Measurement]) -> list[Measurement]:
+def own_readings(
+    recording: Recording, measured: Sequence[Measurement], together: Sequence[Measurement] = ()
+) -> list[Measurement]:
     """Return of all measurements of a recording those that count as its own, by frame.
 
-    They are by the calibration it was recorded under, else by whatever measured it first: what was
+    They are by the calibrations it was recorded under, else by whatever measured it first: what was
     measured once more stands behind, with the replay that it came from.
+
+    Parameters
+    ----------
+    measured
+        In the order they were made.
+    together
+        Those of its pass that its sensor saw with others of its rig, as it was recorded.
     """
-    by_own = [row for row in measured if row.calibration_id == recording.calibration_id]
-    candidates = by_own or measured
-    own = [row for row in candidates if _means(row) == _means(candidates[0])]
-    return sorted(own, key=lambda row: row.frame)
+    recorded = [row for row in measured if _as_recorded(row, recording)]
+    if not recorded and not together:
+        first = [row for row in measured if _means(row) == _means(measured[0])]
+        return sorted(first, key=lambda row: row.frame)
+    # A pass is measured against the station's reference before any other.
+    reference = min([*recorded, *together], key=lambda row: row.id).reference
+    own = sorted(recorded, key=lambda row: row.frame)
+    return [row for row in [*own, *together] if row.reference == reference]
+
+
+def _as_recorded(row: Measurement, recording: Recording) -> bool:
+    return (row.calibration_id, row.rig_calibration_id) == (
+        recording.calibration_id,
+        recording.rig_calibration_id,
+    )
 
 
 def _means(row: Measurement) -> tuple[str, str | None, str]:

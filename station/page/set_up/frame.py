@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from station.store import Caller, Scope
+from station.store.callers import Caller, Scope
 
 
 @dataclass(frozen=True, slots=True)

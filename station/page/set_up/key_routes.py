@@ -10,7 +10,7 @@ from station.operations import Keys, key_id_of
 from station.page.set_up.frame import parts_for
 from station.page.set_up.key_views import key_views
 from station.page.shell import ShellOf
-from station.store import Scope
+from station.store.callers import Scope
 
 router = APIRouter(prefix="/set-up")
 

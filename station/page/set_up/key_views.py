@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal
 
-from station.store import Caller, Key, usable
+from station.store import Key
+from station.store.callers import Caller, usable
 
 Standing = Literal["good", "expired", "revoked"]
 

@@ -10,7 +10,9 @@ from sqlalchemy.orm import Session
 from station.page.set_up.told import Setting, settings_in
 from station.recalibration import Schedule
 from station.settings import StationSettings
-from station.store import Recalibration, recalibrations_page, running_recalibration
+from station.store import Recalibration
+from station.store.lists import recalibrations_page
+from station.store.recalibrations import running_recalibration
 
 _SHOWN = 20
 

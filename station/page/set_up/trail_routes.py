@@ -7,7 +7,7 @@ from fastapi import APIRouter, Query, Request, Response
 from station.api import Administrator, PartsOf
 from station.page.set_up.frame import parts_for
 from station.page.shell import ShellOf
-from station.store import audit_page
+from station.store.lists import audit_page
 
 router = APIRouter(prefix="/set-up")
 

@@ -17,8 +17,10 @@ from station.errors import CameraUnreachable, StateConflict
 from station.operations import DataLayout, Salvaged, Station, utc_now
 from station.serve.web import server_config
 from station.settings import StationSettings
-from station.store import Scope, Store, add_key
+from station.store import Store
+from station.store.callers import Scope, add_key
 
+PATIENCE_S = 60.0
 ADMIN_KEY = "a-key-for-automation-of-32-or-more-letters"
 
 
@@ -75,7 +77,7 @@ class FakeCapture:
 
     def finish(self, expected_frames=None):
         if self.gate is not None:
-            self.gate.wait(5.0)
+            self.gate.wait(PATIENCE_S)
         self._ensure_works()
         if self.plan is None:
             raise StateConflict("nothing is recorded", state="idle")
@@ -182,7 +184,7 @@ class Served:
     def end(self) -> None:
         """Serve no more; the store and the doubles stay."""
         self.server.should_exit = True
-        self._thread.join(10.0)
+        self._thread.join(PATIENCE_S)
 
     def _capture(self, _sensor):
         return FakeCapture()
@@ -196,7 +198,7 @@ class Served:
 
     def client(self, key: str | None = ADMIN_KEY) -> httpx.Client:
         headers = {} if key is None else {"Authorization": f"Bearer {key}"}
-        return httpx.Client(base_url=self.url, headers=headers, timeout=10.0, trust_env=False)
+        return httpx.Client(base_url=self.url, headers=headers, timeout=PATIENCE_S, trust_env=False)
 
     def key(self, *scopes: Scope) -> str:
         with self.store.change() as session:

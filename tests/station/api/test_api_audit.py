@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.store import Scope
+from station.store.callers import Scope
 
 
 def trail(call, **query):

@@ -14,7 +14,7 @@ from served_station import ADMIN_KEY, Served
 from station.api import contract
 from station.api.bodies import STREAMED
 from station.operations import utc_now
-from station.store import Scope, add_key, caller_of, revoke_key
+from station.store.callers import Scope, add_key, caller_of, revoke_key
 
 CONTRACT = contract()
 OPERATIONS = [

@@ -9,7 +9,8 @@ from served_station import Served
 from test_api_calibration import SESSION, record_session
 
 from station.errors import StoreUnusable
-from station.store import Calibration, KeptAnswer, Scope
+from station.store import Calibration, KeptAnswer
+from station.store.callers import Scope
 
 ORDER = {"sensor": "left", "session": "s1"}
 PLACE = "/v1/calibrations"

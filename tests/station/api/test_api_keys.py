@@ -11,7 +11,8 @@ import pytest
 from station.api.gate import Gate
 from station.errors import KeyRefused
 from station.operations import Keys, key_id_of
-from station.store import Actor, Key, Scope
+from station.store import Actor, Key
+from station.store.callers import Scope
 
 PLACE = "/v1/station"
 FEW = pytest.mark.parametrize(

@@ -9,7 +9,8 @@ from station.api import CSRF_HEADER, LoggedIn
 from station.api.gate import Gate
 from station.errors import KeyRefused
 from station.operations import Keys, key_id_of
-from station.store import Actor, Scope
+from station.store import Actor
+from station.store.callers import Scope
 
 PLACE = "/v1/station"
 

@@ -16,8 +16,8 @@ from station.store import (
     Pass,
     PassState,
     Recording,
-    add_measurements,
 )
+from station.store.measured import add_measurements
 
 PLACE = "/v1/measurements"
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)

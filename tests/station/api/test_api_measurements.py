@@ -2,7 +2,8 @@
 
 import pytest
 
-from station.store import Calibration, CalibrationState, Measurement, Recording, add_measurements
+from station.store import Calibration, CalibrationState, Measurement, Recording
+from station.store.measured import add_measurements
 
 PROFILE = {"d_mm": [0.0, 70.0], "h_mm": [0.0, 0.1], "sigma_mm": [0.02, 0.02]}
 

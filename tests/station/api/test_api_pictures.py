@@ -18,7 +18,8 @@ from station.api.view_answers import FrameStripeModel, ViewModel
 from station.capture import Look
 from station.errors import CameraLost, StateConflict
 from station.recording import RecordingWriter
-from station.store import Recording, Scope, the
+from station.store import Recording, the
+from station.store.callers import Scope
 from station.viewing import Viewer
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)

@@ -14,13 +14,13 @@ from station.store import (
     JobState,
     Recalibration,
     RecalibrationState,
-    Scope,
     activate,
     active,
     end,
     start,
     the,
 )
+from station.store.callers import Scope
 
 WHERE = "/v1/recalibrations"
 

@@ -8,7 +8,8 @@ from contextlib import contextmanager
 import pytest
 from served_station import Served
 
-from station.store import JobKind, Pass, Scope, Store, add_job, migrate
+from station.store import JobKind, Pass, Store, add_job, migrate
+from station.store.callers import Scope
 
 
 class Looks:

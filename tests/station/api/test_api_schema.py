@@ -65,6 +65,8 @@ def attack(served, folder, *, examples, seed):
                 *("--exclude-checks", LEFT_OUT, "--phases", "coverage,fuzzing,stateful"),
                 *("--max-examples", str(examples), "--seed", str(seed)),
                 *("--continue-on-failure", "--no-color", "--warnings", "off", "--no-shrink"),
+                # How long it takes to think of something is the host's affair.
+                *("--suppress-health-check", "too_slow"),
             ],
             cwd=folder,
             stdout=out,

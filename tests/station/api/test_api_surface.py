@@ -10,7 +10,8 @@ from station import errors
 from station.api.contract import contract_of
 from station.api.problems import STATUS_OF, status_of
 from station.errors import InputUnusable
-from station.store import JobKind, JobState, Scope, add_job, end, report_progress, start, the
+from station.store import JobKind, JobState, add_job, end, report_progress, start, the
+from station.store.callers import Scope
 from station.store.tables import Job
 
 OPEN = {"/healthz", "/readyz"}

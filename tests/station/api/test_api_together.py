@@ -7,15 +7,9 @@ from collections import Counter
 import pytest
 from served_station import Served
 
-from station.store import (
-    Activation,
-    Calibration,
-    CalibrationState,
-    Pass,
-    audit_page,
-    counts_by_state,
-    migrate,
-)
+from station.store import Activation, Calibration, CalibrationState, Pass, migrate
+from station.store.lists import audit_page
+from station.store.watched import counts_by_state
 
 CLIENTS = 20
 LIMIT = 1000

@@ -11,7 +11,8 @@ from test_api_calibration import make_ready
 
 from station.operations import Uploads
 from station.recording import RecordingWriter
-from station.store import Recording, Scope, the
+from station.store import Recording, the
+from station.store.callers import Scope
 
 PLACE = "/v1/recordings"
 MAGIC = b"\x89MCAP0\r\n"

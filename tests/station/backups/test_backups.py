@@ -17,8 +17,10 @@ from station.backups import make_backup, restore_backup
 from station.backups.checksums import write_checksum
 from station.errors import InputUnusable, StateConflict, StationError, StoreUnusable
 from station.operations import DataLayout
-from station.store import Actor, Pass, PassState, Store, audit_page, counts_by_state, migrate
+from station.store import Actor, Pass, PassState, Store, migrate
 from station.store.connecting import open_engine
+from station.store.lists import audit_page
+from station.store.watched import counts_by_state
 from station.worker import held
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)

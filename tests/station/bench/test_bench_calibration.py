@@ -107,7 +107,7 @@ def test_every_method_is_timed_with_the_camera_known_and_estimated(monkeypatch):
 
 
 def test_core_time_counts_work_and_not_waiting():
-    assert CoreTime.of(lambda: time.sleep(0.05), runs=1).median_s < 0.02
+    assert CoreTime.of(lambda: time.sleep(0.02), runs=5).median_s < 0.01
     assert CoreTime.of(lambda: sum(range(2_000_000)), runs=1).median_s > 0.005
 
 

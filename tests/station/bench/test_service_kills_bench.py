@@ -30,16 +30,8 @@ from station.operations import DataLayout, utc_now
 from station.pipeline import measure_sources
 from station.progress import silent
 from station.recording import RecordingWriter, active_path
-from station.store import (
-    JobKind,
-    Measurement,
-    Pass,
-    PassState,
-    Recording,
-    Store,
-    add_job,
-    add_measurements,
-)
+from station.store import JobKind, Measurement, Pass, PassState, Recording, Store, add_job
+from station.store.measured import add_measurements
 
 SHORT = Train(wheels=3)
 SOUND = PassTruth(recorded=3, lost=0, unsaid=0, unsound=0, missing=0, doubled=0, differing=0)

@@ -12,7 +12,9 @@ from measure import Limits, Side
 from station.bench.service.filled_store import Traffic, fill
 from station.bench.service.store import bench_service_store
 from station.progress import silent
-from station.store import Store, measurements_page, places_of, profiles_of
+from station.store import Store
+from station.store.lists import measurements_page
+from station.store.measured import places_of, profiles_of
 from station.trains import wheelset_trend
 
 TRAFFIC = Traffic(passes=6, axles=5, trains=2)

@@ -5,17 +5,20 @@ import os
 import resource
 import signal
 import time
-from pathlib import Path
 
 import pytest
 from capture_rig import (
+    PATIENCE_S,
     assert_served,
     capture_of,
     is_idle,
+    is_running,
     plan_for,
+    recorder_of,
     sensor_at,
     small_camera,
     wait_for,
+    wait_until,
 )
 
 from station.capture import CaptureState
@@ -26,31 +29,6 @@ from station.recording import EventKind, active_path, events, frames, recover, v
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "a.mcap"
-
-
-def recorder_of(process):
-    """Return the process id of the recorder, the capture process's only child."""
-    (child,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    return int(child)
-
-
-def is_running(pid):
-    """Whether a process still has its files open; one that waits to be reaped has not.
-
-    Its first thread may wait while others are still on their way out, the files open.
-    """
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-        return state != "Z" or len(os.listdir(f"/proc/{pid}/task")) > 1
-    except FileNotFoundError:
-        return False
-
-
-def wait_until(happened, timeout_s=10.0):
-    deadline = time.monotonic() + timeout_s
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
 
 
 def fire(camera, count):
@@ -89,8 +67,9 @@ def test_recorder_killed_between_recordings_is_replaced(tmp_path, path):
         client.arm(plan_for(path, "software"))
         client.trigger()
         client.finish()
-        os.kill(recorder_of(process), signal.SIGKILL)
-        time.sleep(0.1)
+        recorder = recorder_of(process)
+        os.kill(recorder, signal.SIGKILL)
+        wait_until(lambda: not is_running(recorder))
         client.arm(plan_for(tmp_path / "b.mcap", "software"))
         client.trigger()
         assert client.finish().complete
@@ -149,7 +128,7 @@ def test_terminated_capture_process_finishes_its_recording(tmp_path, path):
         fire(camera, 5)
         wait_for(client, lambda status: status.recorded == 5)
         process.terminate()
-        process.join(10)
+        process.join(PATIENCE_S)
         assert process.exitcode == 0
     assert EventKind.FINISHED in kinds(events(path))
     assert len(list(frames(path))) == 5
@@ -195,11 +174,14 @@ def test_full_disk_ends_the_recording_whole_and_the_capture_lives_on(tmp_path, p
     address = "127.20.3.9"
     with (
         small_camera(address) as camera,
-        capture_of(sensor_at(address), tmp_path) as (client, _),
+        # The ring is no file of a disk, but the limit holds for it too.
+        capture_of(sensor_at(address, ring_slots=24), tmp_path) as (client, _),
     ):
         wait_for(client, is_idle)
         client.arm(plan_for(path))
-        fire(camera, 40)
+        fire(camera, 20)
+        wait_for(client, lambda status: status.recorded == 20)
+        fire(camera, 20)
         report = client.finish(expected_frames=40)
         client.arm(plan_for(tmp_path / "b.mcap"))
         fire(camera, 2)

@@ -11,11 +11,13 @@ from capture_rig import (
     capture_of,
     is_idle,
     plan_for,
+    recorder_of,
     sensor_at,
     small_camera,
     wait_for,
+    wait_until,
 )
-from test_capture_crashes import fire, recorder_of, wait_until
+from test_capture_crashes import fire
 
 from station.capture import CaptureReport, Interruption
 from station.recording import EventKind, events, frames, info, parts_of

@@ -6,7 +6,6 @@ At small sizes and rates; what a slow disk does to full frames at 53 Hz is not s
 import os
 import signal
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from capture_rig import (
     capture_of,
     is_idle,
     plan_for,
+    recorder_of,
     sensor_at,
     served_pictures,
     small_camera,
@@ -55,11 +55,6 @@ def assert_served(parts):
     for part in parts:
         for frame in frames(part):
             np.testing.assert_array_equal(frame.picture, pictures[(frame.frame_id - 1) % PICTURES])
-
-
-def recorder_of(process):
-    (child,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    return int(child)
 
 
 def test_all_frames_are_in_the_files_that_the_report_names(tmp_path, path):

@@ -1,11 +1,13 @@
 """Room in the kernel for packets, and asking for a camera: small talks with the system."""
 
+import errno
 import os
 import socket
 
 import pytest
 from capture_rig import small_camera
 
+from station.capture import open_stream
 from station.capture.open_stream import enlarge_receive_buffer
 from station.capture.ping import answers_ping
 
@@ -30,6 +32,17 @@ def test_port_that_nobody_is_bound_to_is_an_error():
         port = udp.getsockname()[1]
     with pytest.raises(LookupError, match=str(port)):
         enlarge_receive_buffer(port)
+
+
+@pytest.mark.parametrize("refusal", [errno.EPERM, errno.EAFNOSUPPORT])
+def test_who_may_open_no_packet_socket_is_not_offered_one(refusal, monkeypatch):
+    """EPERM without CAP_NET_RAW; EAFNOSUPPORT from systemd's RestrictAddressFamilies."""
+
+    def refuse(*_):
+        raise OSError(refusal, os.strerror(refusal))
+
+    monkeypatch.setattr(open_stream.socket, "socket", refuse)
+    assert not open_stream._may_open_packet_socket()
 
 
 def test_camera_answers_a_ping_and_silence_does_not():

@@ -102,3 +102,9 @@ def test_a_secret_that_cannot_be_read_is_named(tmp_path):
     (tmp_path / "station_key").mkdir()
     with pytest.raises(InputUnusable, match="credential key: cannot be read"):
         credential("key", {"CREDENTIALS_DIRECTORY": str(tmp_path)})
+
+
+def test_a_folder_of_secrets_that_cannot_be_entered_is_said(tmp_path):
+    (tmp_path / "folder").write_text("not one")
+    with pytest.raises(InputUnusable, match="credential key: cannot be read"):
+        credential("key", {"CREDENTIALS_DIRECTORY": str(tmp_path / "folder")})

@@ -6,7 +6,9 @@ import pytest
 
 from station.cli.main import build_app, run
 from station.operations import DataLayout, utc_now
-from station.store import Store, audit_page, caller_of
+from station.store import Store
+from station.store.callers import caller_of
+from station.store.lists import audit_page
 
 
 @pytest.fixture

@@ -74,7 +74,7 @@ def test_without_settings_the_host_alone_is_judged(tmp_path, capsys, monkeypatch
         found
     )
     assert not any("camera" in name for name in found)
-    assert time.monotonic() - began_s < 15.0
+    assert time.monotonic() - began_s < 60.0
 
 
 def test_what_is_wrong_is_one_line_on_stderr(tmp_path, capsys):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from station.fleet import StationValue, station_agreement
-from station.fleet.agreement import WEAR_SIGMA_MM_PER_DAY
+from station.fleet.wear import WEAR_SIGMA_MM_PER_DAY
 
 U95 = 0.05
 

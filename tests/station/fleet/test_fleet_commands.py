@@ -17,9 +17,9 @@ from station.store import (
     RecalibrationState,
     Store,
     activate,
-    axles_of,
     sqlite_url,
 )
+from station.store.measured import axles_of
 
 
 @pytest.fixture
@@ -91,8 +91,8 @@ def night():
 
 def test_init_makes_the_tables_and_a_second_time_changes_nothing(fleet_command):
     code, first = fleet_command("init", "--json")
-    assert (code, first["before"], first["revision"]) == (0, None, "f0001")
-    assert fleet_command("init", "--json")[1]["before"] == "f0001"
+    assert (code, first["before"], first["revision"]) == (0, None, "f0002")
+    assert fleet_command("init", "--json")[1]["before"] == "f0002"
 
 
 def test_a_database_without_tables_is_refused_in_a_line(fleet_command):
@@ -117,7 +117,7 @@ def test_the_address_is_taken_from_environment_or_settings(url, capsys, tmp_path
     monkeypatch.setenv("STATION_FLEET_URL", url)
     capsys.readouterr()
     assert run(app, ["fleet", "init", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["before"] == "f0001"
+    assert json.loads(capsys.readouterr().out)["before"] == "f0002"
 
 
 def test_status_tells_of_every_station(stations, fleet_command):

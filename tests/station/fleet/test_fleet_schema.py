@@ -62,7 +62,7 @@ def test_a_database_of_a_newer_version_is_refused_by_name(any_url):
         connection.execute(text(f"UPDATE {VERSION_TABLE} SET version_num = 'f9999'"))
     engine.dispose()
     for refused in (ensure_ready, migrate_fleet):
-        with pytest.raises(StationError, match="f9999, this version knows up to f0001"):
+        with pytest.raises(StationError, match="f9999, this version knows up to f0002"):
             refused(any_url)
 
 

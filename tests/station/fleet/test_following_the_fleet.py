@@ -11,7 +11,8 @@ from station.errors import StoreUnusable
 from station.fleet import Fleet, Follower, Pushed, follow_fleet, migrate_fleet, read_note
 from station.operations import DataLayout
 from station.settings import FleetSettings, SensorSettings, StationSettings
-from station.store import ChangesLeft, Store, changes_after, sqlite_url
+from station.store import Store, sqlite_url
+from station.store.changes import ChangesLeft, changes_after
 
 NOTHING = Pushed(number=7, changes=0, rows=0, left=ChangesLeft(0, None))
 

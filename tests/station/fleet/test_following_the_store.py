@@ -9,17 +9,19 @@ from sqlalchemy import delete, text
 from station.store import (
     EMPTY,
     AxleWheel,
-    ChangeKind,
     Pass,
     PassState,
     Recalibration,
     RecalibrationState,
     Store,
+    migrate,
+)
+from station.store.changes import (
+    ChangeKind,
     begin_epoch,
     changes_after,
     changes_left,
     knows_push,
-    migrate,
     note_push,
     store_epoch,
 )

@@ -35,12 +35,10 @@ from station.store import (
     PassState,
     Store,
     activate,
-    axles_of,
-    changes_after,
-    replace_axles,
     sqlite_url,
-    store_epoch,
 )
+from station.store.changes import changes_after, store_epoch
+from station.store.measured import axles_of, replace_axles
 
 
 def rows(fleet, table, **where):

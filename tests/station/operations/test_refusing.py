@@ -21,9 +21,9 @@ from station.store import (
     Store,
     activate,
     activate_rig,
-    audit_page,
     migrate,
 )
+from station.store.lists import audit_page
 
 NOW = datetime(2026, 7, 1, 12, tzinfo=UTC)
 BY = Actor("I. Curie", "10.20.0.31")

@@ -9,7 +9,15 @@ from urllib.parse import urlsplit
 
 from axe_playwright_python.sync_playwright import Axe
 from demo_station_serving import Demo
-from playwright.sync_api import Browser, ConsoleMessage, Page, Request, Response, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    ConsoleMessage,
+    Page,
+    Request,
+    Response,
+    expect,
+    sync_playwright,
+)
 
 CHROMIUM = Path("/usr/bin/chromium")
 _ARGUMENTS = [
@@ -22,15 +30,19 @@ _ARGUMENTS = [
     "--disable-sync",
 ]
 _GRAVE = {"serious", "critical"}
-PATIENCE_MS = 30_000.0
+PATIENCE_MS = 60_000.0
+"""Of every wait, for a busy host; what has happened is not waited for."""
 
 
 @contextmanager
 def chromium_running() -> Generator[Browser]:
     """Run Debian's Chromium, headless."""
     assert CHROMIUM.exists(), f"no browser at {CHROMIUM}; install it: apt-get install chromium"
+    expect.set_options(timeout=PATIENCE_MS)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=_ARGUMENTS)
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=_ARGUMENTS, timeout=2.0 * PATIENCE_MS
+        )
         try:
             yield browser
         finally:

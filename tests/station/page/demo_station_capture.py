@@ -115,7 +115,7 @@ class FilmedCapture:
         return report
 
     def look(self) -> Look:
-        if self._plan is not None:
+        if self._plan is not None and not self._plan.looks:
             raise StateConflict("a recording runs; look when it is over", state="recording")
         seen = next(each.picture for each in self._film if each.picture is not None)
         descriptor = os.memfd_create("look")

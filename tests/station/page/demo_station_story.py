@@ -18,7 +18,8 @@ from station.operations import (
 from station.operations.inspection import Inspected
 from station.recalibration import Schedule
 from station.recording.inspecting import inspect
-from station.store import Actor, JobKind, Recalibration, RecalibrationState, Scope
+from station.store import Actor, JobKind, Recalibration, RecalibrationState
+from station.store.callers import Scope
 from station.trains import Consist, Wheelset
 from station.worker.scheduling import order_what_is_owed
 

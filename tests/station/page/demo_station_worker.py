@@ -67,17 +67,20 @@ def mathematics_by(clock: Clock) -> Mathematics:
     def dated(document: Any) -> Any:
         return document.model_copy(update={"created": clock()})
 
-    def calibrating(*given: Any, **options: Any) -> Any:
-        outcome = calibrate_sources(*given, **options)
-        return replace(outcome, document=dated(outcome.document))
+    def calibrating(function: Callable[..., Any]) -> Callable[..., Any]:
+        def dated_outcome(*given: Any, **options: Any) -> Any:
+            outcome = function(*given, **options)
+            return replace(outcome, document=dated(outcome.document))
+
+        return dated_outcome
 
     def measuring(function: Callable[..., Any]) -> Callable[..., Any]:
         return lambda *given, **options: dated(function(*given, **options))
 
     return Mathematics(
-        calibrating,
+        calibrating(calibrate_sources),
         measuring(measure_sources),
-        measuring(calibrate_rig_sources),
+        calibrating(calibrate_rig_sources),
         measuring(measure_rig),
     )
 

@@ -20,7 +20,8 @@ from station.operations import DataLayout, Keys, Station, salvage_recording, utc
 from station.page import add_pages
 from station.serve.web import server_config
 from station.settings import StationSettings
-from station.store import Actor, Scope, Store
+from station.store import Actor, Store
+from station.store.callers import Scope
 
 ENVIRONMENT_KEY = "a-key-of-the-environment-of-32-or-more-letters"
 PASSWORD = "hunter2-of-the-database"

@@ -4,7 +4,6 @@ import re
 from contextlib import contextmanager
 
 import pytest
-from demo_station_browser import PATIENCE_MS
 from demo_station_browser import logged_in as log_in
 from demo_station_quiet import LIVE_PICTURES, LIVE_SESSION
 from demo_station_serving import served_quietly
@@ -13,7 +12,6 @@ from playwright.sync_api import expect
 
 WIDE, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
 FIRST_VIEW_BYTES = 150_000
-expect.set_options(timeout=PATIENCE_MS)  # the guiding process starts behind all others
 
 
 @pytest.fixture(scope="module")

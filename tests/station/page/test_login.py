@@ -10,7 +10,8 @@ import pytest
 from paged_station import ENVIRONMENT_KEY, PEOPLE, log_in, token_of
 
 from station.operations import key_id_of, utc_now
-from station.store import AuditEntry, Key, Login, Scope
+from station.store import AuditEntry, Key, Login
+from station.store.callers import Scope
 
 PATIENCE_S = 30.0
 BEHIND_A_PROXY = pytest.mark.parametrize(

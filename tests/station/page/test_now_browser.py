@@ -14,6 +14,10 @@ from demo_station_serving import SENSORS
 MARKUP = "<img src=x onerror=alert(1)>"
 DESK, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
 FIRST_VIEW_BYTES = 150_000
+PLACES = """screen => ["img", "svg"].map((each) => {
+  const { x, y, width, height } = screen.querySelector(each).getBoundingClientRect();
+  return [x, y, width, height];
+})"""
 # The camera may be armed between a person's look and its answer.
 BUSY_CAMERA = [r"409 .*source=look", r"status of 409", r"503 .*view", r"status of 503"]
 
@@ -75,7 +79,8 @@ def _picture_comes_with_its_stripe(page):
         assert "stripe of" in figure(page, sensor).locator("img").get_attribute("alt")
     screen = figure(page, "left-inner").locator(".screen")
     # The stripe lies on the picture, to the pixel, and within it.
-    image, stripe = (screen.locator(each).bounding_box() for each in ("img", "svg"))
+    # Asked for at once: between two questions a part above may come that is higher.
+    image, stripe = screen.evaluate(PLACES)
     assert image == pytest.approx(stripe, abs=0.5)
     view = screen.locator("svg").get_attribute("viewBox").split()
     assert view[:2] == ["-0.5", "-0.5"]
@@ -168,10 +173,11 @@ def test_a_page_that_nobody_sees_asks_for_nothing(page, served_demo):
         new PerformanceObserver((list) => { window.asked += list.getEntries().length; })
           .observe({ entryTypes: ["resource"] });
     }""")
-    page.wait_for_timeout(700)  # what was under way comes to its end
-    before = page.evaluate("window.asked")
-    page.wait_for_timeout(1200)  # more than a second, in which every part would be asked for
-    assert page.evaluate("window.asked") == before
+    asked = [0]
+    while len(asked) < 2 or asked[-1] > asked[-2]:  # what was under way comes to its end
+        assert len(asked) < 20, asked
+        page.wait_for_timeout(1200)  # more than a second, in which every part would be asked for
+        asked.append(page.evaluate("window.asked"))
 
 
 def test_a_sensor_is_never_asked_for_two_pictures_at_a_time(page, served_demo):
@@ -211,9 +217,18 @@ def _bytes_of_first_view(page):
     wire = page.context.new_cdp_session(page)
     wire.send("Network.enable")
     wire.send("Network.setCacheDisabled", {"cacheDisabled": True})
-    came = []
-    wire.on("Network.loadingFinished", lambda told: came.append(told["encodedDataLength"]))
+    addresses, came = {}, {}
+
+    def begins(told):
+        addresses[told["requestId"]] = told["request"]["url"].partition("?")[0]
+
+    def ends(told):
+        # The first answer of each: on a busy host parts are asked for anew before all are there.
+        came.setdefault(addresses.get(told["requestId"]), told["encodedDataLength"])
+
+    wire.on("Network.requestWillBeSent", begins)
+    wire.on("Network.loadingFinished", ends)
     page.reload()
     for sensor in SENSORS[:2]:  # at first sight; the third is further down
         figure(page, sensor).locator("img").wait_for()
-    return sum(came)
+    return sum(came.values())

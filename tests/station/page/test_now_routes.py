@@ -15,15 +15,8 @@ from paged_station import SENSORS, CameraDouble, Paged
 from station.capture import CaptureReport, CaptureState, CaptureStatus
 from station.errors import StateConflict
 from station.settings import SensorSettings
-from station.store import (
-    AuditEntry,
-    JobKind,
-    Pass,
-    PassState,
-    Scope,
-    add_job,
-    pass_in_progress,
-)
+from station.store import AuditEntry, JobKind, Pass, PassState, add_job, pass_in_progress
+from station.store.callers import Scope
 
 OF_THE_PAGE = {"HX-Request": "true"}
 MARKUP = "<img src=x onerror=alert(1)>"

@@ -20,7 +20,8 @@ from station.page.passes.search import Search
 from station.page.passes.trend_view import Trended
 from station.page.texts import Texts
 from station.pipeline import gauge_files
-from station.store import Pass, PassState, Span, Store, sqlite_url
+from station.store import Pass, PassState, Store, sqlite_url
+from station.store.lists import Span
 from station.trains import QuantityTrend, SideTrend, TrendValue, WheelsetTrend
 
 BERLIN = ZoneInfo("Europe/Berlin")

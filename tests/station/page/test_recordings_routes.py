@@ -9,7 +9,8 @@ from playwright.sync_api import expect
 
 from station.page.texts import Texts
 from station.recording import Event, EventKind, RecordingWriter
-from station.store import Calibration, Pass, PassState, Recording, Replay, Scope, the
+from station.store import Calibration, Pass, PassState, Recording, Replay, the
+from station.store.callers import Scope
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 NOON_NS = 1_782_907_200_000_000_000
@@ -174,6 +175,8 @@ def test_measuring_again_is_ordered_and_leads_to_what_comes_of_it(filled):
         ({"calibration": "c1", "reference": "mine"}, 422),
         ({"calibration": "", "reference": "LMA"}, 422),
         ({"calibration": "nobody", "reference": "LMA"}, 404),
+        ({"calibration": "c1", "rig_calibration": "g1", "reference": "LMA"}, 422),
+        ({"rig_calibration": "nobody", "reference": "LMA"}, 404),
         ({}, 422),
     ],
 )

@@ -13,7 +13,9 @@ from station.page.recordings.condition import Condition, condition_of
 from station.page.recordings.recording_view import spread
 from station.page.recordings.search import Search
 from station.page.recordings.wheels import Standing, own_readings, standing_of
-from station.store import Measurement, Recording, RecordingKind, Span
+from station.store import Measurement, Recording
+from station.store.lists import Span
+from station.store.recordings_found import RecordingKind
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 GOOD = {"closed_at": NOON, "recorded": 8, "lost": 0, "complete": True, "recovered": False}
@@ -94,6 +96,19 @@ def test_own_readings_are_by_the_calibration_it_was_recorded_under_else_the_firs
     assert [row.id for row in own_readings(recording, rows)] == [3, 2]
     assert [row.id for row in own_readings(Recording(id="r"), rows)] == [1]
     assert own_readings(recording, []) == []
+
+
+def test_what_a_rig_saw_of_a_recording_counts_before_what_was_measured_of_it_alone():
+    alone, once_more = measurement(3, 4), measurement(4, 4)
+    seen, against_another, later = (measurement(n, n) for n in (1, 2, 5))
+    for row in (seen, against_another, later):
+        row.rig_calibration_id = "g1"
+    against_another.reference, once_more.rig_calibration_id = "LMA", "g2"
+    recording = Recording(id="r", calibration_id="c1", rig_calibration_id="g1")
+    together = [seen, against_another]
+    assert own_readings(recording, [alone, once_more], together) == [seen]
+    assert own_readings(recording, [alone, once_more, later], together) == [later, seen]
+    assert own_readings(recording, [alone, once_more]) == [alone]
 
 
 @pytest.mark.parametrize(

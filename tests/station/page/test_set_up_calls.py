@@ -20,9 +20,9 @@ from station.store import (
     Pass,
     PassState,
     Recalibration,
-    Scope,
     audit,
 )
+from station.store.callers import Scope
 
 PARTS = {
     "sensors": "",

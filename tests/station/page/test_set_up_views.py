@@ -28,7 +28,8 @@ from station.settings import (
     StationSettings,
     StorageSettings,
 )
-from station.store import Action, Caller, Key, Recalibration, RecalibrationState, Scope
+from station.store import Action, Key, Recalibration, RecalibrationState
+from station.store.callers import Caller, Scope
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 TEXTS = Texts.of()

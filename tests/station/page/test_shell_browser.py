@@ -4,7 +4,7 @@ import pytest
 from paged_station import ENVIRONMENT_KEY
 from playwright.sync_api import expect
 
-from station.store import Scope
+from station.store.callers import Scope
 
 LARGEST_FIRST_VIEW_BYTES = 150_000
 

@@ -9,7 +9,7 @@ from test_shell_templates import faults_of
 
 from station.api import CSRF_HEADER
 from station.errors import StateConflict, StoreUnusable
-from station.store import Scope
+from station.store.callers import Scope
 
 HARMLESS = {"GET", "HEAD", "OPTIONS"}
 _GAP = re.compile(r"\{[^}]+\}")

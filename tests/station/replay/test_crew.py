@@ -2,14 +2,13 @@
 
 import os
 import signal
+import time
 
 import crew_tasks
 import pytest
 
-import station.replay.cluster as replay_cluster
 import station.replay.crew as replay_crew
-from station.errors import InputUnusable
-from station.replay.cluster import local_workers, workers_at
+from station.replay.cluster import local_workers
 from station.replay.crew import Done, Failed, Here
 from station.replay.work import OtherSoftware
 
@@ -67,7 +66,11 @@ def test_what_a_killed_worker_had_is_done_by_another_and_nothing_is_answered_twi
     assert len(answers) == 8
 
 
-def test_tasks_that_kill_every_worker_are_named_and_those_beside_them_are_done(workers):
+def test_tasks_that_kill_every_worker_are_named_and_those_beside_them_are_done(
+    workers, monkeypatch
+):
+    # One that dies while it is starting is started again when workers are counted.
+    monkeypatch.setattr(replay_crew, "_COUNT_EACH_S", 0.5)
     # Each worker has one that kills it, and one behind that has done nothing.
     answers = list(workers.each(crew_tasks.die_of_three, [3, 3, 5, 6]))
     assert results(answers) == [(5, 10), (6, 12)]
@@ -100,32 +103,16 @@ def test_workers_outlive_no_replay():
 
 def test_workers_listen_on_the_loopback_alone(workers):
     addresses = [*workers._client.nthreads(), workers._client.scheduler.address]
-    assert all(address.startswith("tcp://127.0.0.1:") for address in addresses)
+    assert all(address.startswith("tls://127.0.0.1:") for address in addresses)
 
 
 def test_workers_leave_an_interrupt_of_the_terminal_to_the_one_that_replays(workers):
-    workers._client.wait_for_workers(2, timeout=60)
+    deadline = time.monotonic() + 60.0
+    while workers._threads_now() < 2:  # which starts those that died while they were starting
+        assert time.monotonic() < deadline, "workers that died are not started again"
+        time.sleep(0.1)
     pids = workers.on_each(os.getpid)
     for pid in pids:
         os.kill(pid, signal.SIGINT)
     assert results(workers.each(crew_tasks.double, range(4))) == [(n, 2 * n) for n in range(4)]
     assert sorted(workers.on_each(os.getpid)) == sorted(pids)
-
-
-@pytest.mark.parametrize("address", ["tcp://127.61.0.1:9", "carrier-pigeon://home"])
-def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch, address):
-    monkeypatch.setattr(replay_cluster, "_CONNECT_S", 1)
-    refusal = pytest.raises(InputUnusable, match="no Dask scheduler answers there")
-    with refusal as refused, workers_at(address):
-        pass
-    assert "\n" not in str(refused.value)
-
-
-def test_workers_of_another_version_are_refused_before_any_work(monkeypatch, workers):
-    address = workers._client.scheduler.address
-    with workers_at(address) as crew:
-        assert results(crew.each(crew_tasks.double, range(2))) == [(0, 0), (1, 2)]
-    monkeypatch.setattr(replay_cluster, "SOFTWARE", "treadline 9.9")
-    refusal = pytest.raises(InputUnusable, match=r"has treadline .*, this is treadline 9\.9")
-    with refusal, workers_at(address):
-        pass

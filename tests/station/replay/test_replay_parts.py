@@ -208,7 +208,7 @@ def test_workers_make_the_same_table_to_the_last_byte(folder, tmp_path, workers)
 
 
 def test_command_takes_a_cluster_and_a_reference_that_its_workers_do_not_have(
-    folder, tmp_path, workers, capsys
+    folder, tmp_path, cluster, capsys
 ):
     CALIBRATION.write(tmp_path / "calibration.json")
     profile = tmp_path / "worn.csv"
@@ -216,10 +216,9 @@ def test_command_takes_a_cluster_and_a_reference_that_its_workers_do_not_have(
     profile.write_text("\n".join(["d_mm,h_mm", *rows]))
     arguments = [str(folder), f"--calibration={tmp_path / 'calibration.json'}", "--json"]
     out = tmp_path / "results"
-    address = workers._client.scheduler.address
     assert run(build_app("replay"), ["replay", *arguments, f"--out={out}", "--dry-run"]) == 0
     assert json.loads(capsys.readouterr().out)["tasks"] == 2
-    command = ["replay", *arguments, f"--out={out}", f"--cluster={address}"]
+    command = ["replay", *arguments, f"--out={out}", f"--cluster={cluster}"]
     assert run(build_app("replay"), command) == 0
     assert json.loads(capsys.readouterr().out)["measured"] == 2
     assert run(build_app("replay"), [*command, "--workers=2"]) == 2

@@ -15,6 +15,7 @@ import httpx
 import numpy as np
 import pytest
 
+from station.capture import CaptureClient
 from station.recording import EventKind, events, frames, parts_of
 from station.simulated import ArraySource, SimulatedCamera
 
@@ -69,7 +70,8 @@ class Service:
 
     @property
     def lines(self):
-        return self._log.read_text().splitlines()
+        """Those that are whole: one may be on its way."""
+        return self._log.read_text().rpartition("\n")[0].splitlines()
 
     @property
     def key(self):
@@ -78,6 +80,12 @@ class Service:
     def pids(self, child):
         events = [json.loads(line) for line in self.lines if line.startswith("{")]
         return [e["pid"] for e in events if e["event"] == "started" and e["child"] == child]
+
+    def wait_for_frames(self, count):
+        """Wait until so many frames of the pass are in the file of the sensor."""
+        (capture,) = self.folder.glob("treadline-*/left.sock")
+        recorded = CaptureClient(capture).status
+        wait(lambda: recorded().recorded == count, f"{count} frames in the file")
 
     def kill_and_wait(self, child):
         before = self.pids(child)
@@ -176,7 +184,7 @@ def test_a_pass_outlives_the_api_process(service, camera, call):
 def test_what_a_killed_capture_process_had_recorded_is_kept(service, camera, call):
     call.put("/v1/passes/capture", json={})
     trigger(camera, 4)
-    time.sleep(0.5)
+    service.wait_for_frames(4)
     service.kill_and_wait("capture left")
     (recording,) = finish(call, "capture", 6)["recordings"]
     assert (recording["recorded"], recording["lost"], recording["recovered"]) == (4, 2, True)
@@ -192,6 +200,7 @@ def test_a_capture_process_killed_under_a_train_costs_the_wheels_of_that_time_al
     path = service.folder / "data/recordings/passes/rest/left.mcap"
     call.put("/v1/passes/rest", json={})
     trigger(camera, 3)
+    service.wait_for_frames(3)
     service.kill_and_wait("capture left")
     wait(path.with_name("left.0002.mcap.active").exists, "the sensor to be armed again")
     wait(camera.trigger_line1, "the camera to wait for triggers")  # the first of three
@@ -231,6 +240,7 @@ def test_a_second_station_on_the_same_data_is_refused(service):
 def test_the_station_ends_in_order_and_its_key_is_shown_once(service, camera, call):
     call.put("/v1/passes/open", json={})
     trigger(camera, 2)
+    service.wait_for_frames(2)
     pids = [service.pids(child)[-1] for child in ("api", "capture left", "worker")]
     assert service.stop() == 0
     assert not any(runs(pid) for pid in pids)

@@ -6,6 +6,7 @@ import ssl
 import stat
 import subprocess
 import threading
+import time
 
 import httpx
 import pytest
@@ -20,8 +21,10 @@ from station.serve.listening import url_of
 from station.serve.readiness import missing_parts
 from station.serve.web import server_config
 from station.settings import StationSettings, TlsSettings, load_settings
-from station.store import Store, migrate, revoke_key
-from station.store.keyring import keys_of
+from station.store import Store, migrate
+from station.store.callers import keys_of, revoke_key
+
+PATIENCE_S = 60.0
 
 
 def make_certificate(folder, name):
@@ -57,18 +60,22 @@ def ready_over_tls(tls, tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as listening:
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
         thread.start()
+        began_s = time.monotonic()
+        while not server.started:
+            assert time.monotonic() - began_s < PATIENCE_S
+            time.sleep(0.01)
         yield url_of(listening, tls)
         server.should_exit = True
-        thread.join(10.0)
+        thread.join(PATIENCE_S)
 
 
 def test_the_api_shows_its_certificate_and_speaks_no_plain_http(ready_over_tls, tls):
     assert ready_over_tls.startswith("https://127.0.0.1:")
     trusting = ssl.create_default_context(cafile=tls.certificate)
-    reply = httpx.get(f"{ready_over_tls}/readyz", verify=trusting, trust_env=False)
-    assert reply.status_code == 200
+    place, patient = f"{ready_over_tls}/readyz", {"timeout": PATIENCE_S, "trust_env": False}
+    assert httpx.get(place, verify=trusting, **patient).status_code == 200
     with pytest.raises(httpx.TransportError):
-        httpx.get(f"{ready_over_tls}/readyz".replace("https", "http"), trust_env=False)
+        httpx.get(place.replace("https", "http"), **patient)
 
 
 def test_the_supervisor_sees_over_tls_what_is_not_ready(ready_over_tls):

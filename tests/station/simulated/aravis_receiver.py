@@ -33,7 +33,7 @@ class Received:
 class Receiver:
     """Opens a camera, and takes frames while used as a context manager."""
 
-    def __init__(self, address, *, packet_bytes=9000, buffers=24):
+    def __init__(self, address, *, packet_bytes=9000, buffers=128):
         self.camera = Aravis.Camera.new(address)
         self.camera.gv_set_packet_size(packet_bytes)
         self._buffers = buffers

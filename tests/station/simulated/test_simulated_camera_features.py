@@ -28,8 +28,6 @@ def receiver(camera):
 
 
 def test_a_search_of_the_network_finds_every_camera():
-    Aravis.update_device_list()
-    before = {Aravis.get_device_address(i) for i in range(Aravis.get_n_devices())}
     addresses = {"127.10.2.3", "127.10.2.4", "127.77.0.9"}
     cameras = [SimulatedCamera(a, numbered_source(1, 64, 48)) for a in sorted(addresses)]
     for camera in cameras:
@@ -43,7 +41,8 @@ def test_a_search_of_the_network_finds_every_camera():
     finally:
         for camera in cameras:
             camera.stop()
-    assert set(found) - before == addresses
+    # There may be others: tests run beside these that have cameras of their own.
+    assert found.keys() >= addresses
     assert {found[camera.address] for camera in cameras} == {c.serial for c in cameras}
 
 

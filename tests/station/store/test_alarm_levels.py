@@ -14,9 +14,9 @@ from station.store import (
     Pass,
     PassState,
     Recording,
-    passes_page,
-    wheel_levels,
 )
+from station.store.lists import passes_page
+from station.store.measured import wheel_levels
 from station.trains import AlarmTally, alarm_tallies
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)

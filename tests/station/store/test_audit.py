@@ -7,7 +7,8 @@ import pytest
 from sqlalchemy import text
 from sqlalchemy.exc import DatabaseError
 
-from station.store import Action, Actor, AuditEntry, audit, audit_page
+from station.store import Action, Actor, AuditEntry, audit
+from station.store.lists import audit_page
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 PLC = Actor("plc", "10.0.0.7")

@@ -20,15 +20,12 @@ from station.store import (
     Recording,
     Store,
     Table,
-    axles_of,
-    history_of,
-    measurements_page,
     migrate,
-    places_of,
-    replace_axles,
     revision_of,
 )
 from station.store.connecting import open_engine
+from station.store.lists import measurements_page
+from station.store.measured import axles_of, history_of, places_of, replace_axles
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 

@@ -13,11 +13,13 @@ from station.store import (
     Pass,
     PassState,
     Recording,
+)
+from station.store.lists import measurements_page
+from station.store.measured import (
     end_following,
     followings_of,
     forget_followed,
     keep_followed,
-    measurements_page,
     note_followed,
     profiles_of,
 )

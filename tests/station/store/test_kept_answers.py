@@ -2,13 +2,7 @@
 
 from datetime import UTC, datetime, timedelta
 
-from station.store import (
-    Call,
-    Standing,
-    begin_call,
-    forget_call,
-    keep_answer,
-)
+from station.store.callers import Call, Standing, begin_call, forget_call, keep_answer
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 CALL = Call("controller", "k1", "f1")

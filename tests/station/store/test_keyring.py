@@ -6,7 +6,7 @@ import pytest
 from sqlalchemy import text
 
 from station.errors import InputUnusable, NotFound, StateConflict
-from station.store import (
+from station.store.callers import (
     Scope,
     caller_of,
     issue_key,

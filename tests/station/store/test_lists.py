@@ -2,16 +2,8 @@
 
 from datetime import UTC, datetime, timedelta, timezone
 
-from station.store import (
-    AxleWheel,
-    Pass,
-    PassState,
-    Recording,
-    Span,
-    passes_page,
-    recordings_by_pass,
-    recordings_page,
-)
+from station.store import AxleWheel, Pass, PassState, Recording
+from station.store.lists import Span, passes_page, recordings_by_pass, recordings_page
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 

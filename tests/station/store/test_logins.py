@@ -7,12 +7,10 @@ import pytest
 from sqlalchemy import select
 
 from station.errors import NotFound
-from station.store import (
+from station.store import Key, Login, Store, migrate
+from station.store.callers import (
     Caller,
-    Key,
-    Login,
     Scope,
-    Store,
     add_key,
     add_login,
     caller_logged_in,
@@ -20,7 +18,6 @@ from station.store import (
     end_login,
     end_login_named,
     login_name,
-    migrate,
     open_logins,
 )
 

@@ -11,19 +11,10 @@ from sqlalchemy import inspect, text
 from station.bench.service.filled_store import Traffic, fill
 from station.errors import StationError
 from station.progress import silent
-from station.store import (
-    EMPTY,
-    Action,
-    Actor,
-    Store,
-    Table,
-    audit,
-    measurements_page,
-    migrate,
-    profiles_of,
-    revision_of,
-)
+from station.store import EMPTY, Action, Actor, Store, Table, audit, migrate, revision_of
 from station.store.connecting import open_engine
+from station.store.lists import measurements_page
+from station.store.measured import profiles_of
 
 
 def differences(url):

@@ -14,11 +14,13 @@ from station.store import (
     Pass,
     PassState,
     Recording,
-    RecordingKind,
-    RecordingSearch,
     Replay,
     RigCalibration,
-    Span,
+)
+from station.store.lists import Span
+from station.store.recordings_found import (
+    RecordingKind,
+    RecordingSearch,
     measured_from,
     measured_together_with,
     recordings_found,
@@ -117,16 +119,22 @@ def test_wheels_of_a_rig_are_found_from_each_of_its_recordings(filled):
                 job_id="j",
             )
         )
-        session.add(RigCalibration(id="g1", state="ready", rig="rig", created_at=NOON))
+        for name in ("g1", "g2"):
+            session.add(RigCalibration(id=name, state="ready", rig="rig", created_at=NOON))
         session.flush()
+        for side in ("left", "right"):
+            row = session.get_one(Recording, f"pass.rb17.{side}")
+            row.calibration_id, row.rig_calibration_id = "c1", "g1"
         measured(session, "pass.rb17.left", 4, rig="g1", sensors=["left", "right"])
         measured(session, "pass.rb17.left", 9, rig="g1", sensors=["left"])
         measured(session, "pass.rb17.left", 2)
+        # Measured once more by another calibration, by which another frame shows the wheel best.
+        measured(session, "pass.rb17.left", 5, rig="g2", sensors=["left", "right"])
     with filled.look() as session:
         left, right = (
             session.get_one(Recording, f"pass.rb17.{each}") for each in ("left", "right")
         )
-        assert [row.frame for row in measured_from(session, left.id)] == [4, 9, 2]
+        assert [row.frame for row in measured_from(session, left.id)] == [4, 9, 2, 5]
         assert [row.frame for row in measured_together_with(session, right)] == [4]
         assert measured_together_with(session, left) == []
         assert measured_together_with(session, session.get_one(Recording, "cut")) == []

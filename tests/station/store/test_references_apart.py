@@ -19,13 +19,15 @@ from station.store import (
     ReplayMeasurement,
     Store,
     add_job,
+    migrate,
+    the,
+)
+from station.store.lists import measurements_page
+from station.store.measured import (
     add_measurements,
     measured_by,
-    measurements_page,
-    migrate,
     note_measured,
     recordings_replayed,
-    the,
     wheels_of,
 )
 

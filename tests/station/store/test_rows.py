@@ -15,24 +15,19 @@ from station.store import (
     Measurement,
     Recording,
     RigCalibration,
-    Scope,
     activate,
     active,
     add_job,
-    add_key,
-    add_measurements,
-    any_key,
-    caller_of,
     end,
-    frame_totals,
-    measurements_page,
-    profiles_of,
-    recordings_page,
     report_progress,
     start,
     the,
 )
+from station.store.callers import Scope, add_key, any_key, caller_of
+from station.store.lists import measurements_page, recordings_page
+from station.store.measured import add_measurements, profiles_of
 from station.store.tables import Key
+from station.store.watched import frame_totals
 
 NOON = datetime(2026, 7, 1, 12, tzinfo=UTC)
 

@@ -18,6 +18,8 @@ from station.store import (
     Recording,
     Store,
     add_job,
+)
+from station.store.watched import (
     database_bytes,
     last_measured_pass,
     last_pass_recording,

@@ -1,5 +1,6 @@
 """Shows that the viewing process is there when it is needed, and not when it is not."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -51,13 +52,17 @@ def wait_until(is_so):
 
 
 def files_of(pid):
-    return [os.readlink(each) for each in Path(f"/proc/{pid}/fd").iterdir()]
+    names = []
+    for each in Path(f"/proc/{pid}/fd").iterdir():
+        with contextlib.suppress(FileNotFoundError):  # closed since it was listed
+            names.append(os.readlink(each))
+    return names
 
 
 def is_gone(pid):
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):
         return True
     return state == "Z"  # of a parent that is dead itself, whoever buries it
 

@@ -41,13 +41,11 @@ from station.store import (
     Recording,
     RigCalibration,
     add_job,
-    followings_of,
-    measured_recordings,
-    measurements_page,
-    profiles_of,
     the,
-    wheels_of,
 )
+from station.store.disposal import measured_recordings
+from station.store.lists import measurements_page
+from station.store.measured import followings_of, profiles_of, wheels_of
 from station.worker.context import Mathematics, WorkContext
 from station.worker.followed import QUIET_S
 from station.worker.following import PassFollower

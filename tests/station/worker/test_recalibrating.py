@@ -22,10 +22,10 @@ from station.store import (
     PassState,
     activate,
     active,
-    alarm_of,
-    measurements_page,
     the,
 )
+from station.store.lists import measurements_page
+from station.store.recalibrations import alarm_of
 from station.worker.measuring_again import (
     begin_measuring_again,
     conclude_measuring_again,

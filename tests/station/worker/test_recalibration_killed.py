@@ -13,7 +13,8 @@ from sqlalchemy import select
 from station.scenes import paper_sensor
 from station.serve import log_as
 from station.settings import RecalibrationSettings
-from station.store import Activation, Calibration, Job, Recalibration, measurements_page, the
+from station.store import Activation, Calibration, Job, Recalibration, the
+from station.store.lists import measurements_page
 from station.worker.process import work
 
 PATIENCE_S = 60.0

@@ -20,12 +20,11 @@ from station.store import (
     Recording,
     Replay,
     RigCalibration,
-    disposable_recordings,
-    measurements_page,
-    recordings_in_use,
     the,
-    wheels_of,
 )
+from station.store.disposal import disposable_recordings, recordings_in_use
+from station.store.lists import measurements_page
+from station.store.measured import wheels_of
 from station.worker.context import WorkContext
 from station.worker.measuring import begin_measuring, conclude_measuring, measure_step
 from station.worker.replaying import begin_replay, conclude_replay, fail_replay, replay_step

@@ -21,13 +21,13 @@ from station.store import (
     Recording,
     SessionState,
     activate,
-    disposable_recordings,
     end,
-    measurements_page,
     start,
     the,
-    wheels_of,
 )
+from station.store.disposal import disposable_recordings
+from station.store.lists import measurements_page
+from station.store.measured import wheels_of
 from station.worker.context import WorkContext
 from station.worker.measuring import begin_measuring, conclude_measuring, measure_step
 from station.worker.measuring_again import (

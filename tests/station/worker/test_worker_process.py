@@ -10,7 +10,8 @@ from worker_double import WHEELS, run_double
 from station.errors import StateConflict
 from station.operations import cancel_job
 from station.operations.collaborators import Station
-from station.store import Actor, Calibration, Job, JobKind, Pass, measurements_page, the
+from station.store import Actor, Calibration, Job, JobKind, Pass, the
+from station.store.lists import measurements_page
 from station.worker import WorkerQueue, held, is_held
 
 PATIENCE_S = 60.0

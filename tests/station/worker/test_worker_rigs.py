@@ -24,12 +24,11 @@ from station.store import (
     Pass,
     PassState,
     RigCalibration,
-    axles_of,
-    measured_recordings,
-    measurements_page,
     the,
-    wheels_of,
 )
+from station.store.disposal import measured_recordings
+from station.store.lists import measurements_page
+from station.store.measured import axles_of, wheels_of
 from station.worker.calibrating_rig import calibrate_rig
 from station.worker.context import Mathematics, WorkContext
 from station.worker.measuring import begin_measuring, conclude_measuring, measure_step

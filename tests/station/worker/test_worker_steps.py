@@ -6,18 +6,9 @@ from worker_double import WHEELS, SlowMathematics
 
 from station.operations import cancel_job
 from station.operations.collaborators import Station
-from station.store import (
-    Actor,
-    AxleWheel,
-    Calibration,
-    CalibrationPoints,
-    Job,
-    Pass,
-    axles_of,
-    measurements_page,
-    the,
-    wheels_of,
-)
+from station.store import Actor, AxleWheel, Calibration, CalibrationPoints, Job, Pass, the
+from station.store.lists import measurements_page
+from station.store.measured import axles_of, wheels_of
 from station.worker.calibrating import calibrate
 from station.worker.context import WorkContext
 from station.worker.measuring import begin_measuring, conclude_measuring, measure_step

@@ -24,11 +24,11 @@ from station.store import (
     Pass,
     PassState,
     Recording,
-    audit_page,
     end,
     the,
     unfinished_jobs,
 )
+from station.store.lists import audit_page
 from station.worker.context import WorkContext
 from station.worker.housekeeping import (
     begin_compacting,

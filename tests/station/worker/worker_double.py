@@ -12,7 +12,7 @@ from station.documents import (
     RigDocument,
     WheelDocument,
 )
-from station.pipeline import CalibrationOutcome
+from station.pipeline import CalibrationOutcome, RigOutcome
 from station.serve import log_as
 from station.worker.context import Mathematics
 from station.worker.process import work
@@ -108,7 +108,8 @@ class SlowMathematics:
         self._note(f"begin calibrate rig {order.rig}")
         self._work(progress)
         self._note(f"end calibrate rig {order.rig}")
-        return a_rig_document(order.rig, [each.sensor for each in order.calibrations])
+        names = [each.sensor for each in order.calibrations]
+        return RigOutcome(a_rig_document(order.rig, names), dict.fromkeys(names, "image,kind\n"))
 
     def measure_rig(self, sources, rig, *, silent_sensors, reference, limits, progress, **_rest):
         self._note(f"begin measure rig {rig.rig} {' '.join(sources)}")

@@ -5,8 +5,9 @@ import { quantity } from "./words.js";
 
 const CLOSER = 1.6;
 
-export function beginPictures(place, pictures, say) {
-  const body = document.querySelector("#picture-table tbody");
+/** Return what shows a list of pictures, in place of the one before. */
+export function pictureList(place, say) {
+  const table = document.getElementById("picture-table");
   const said = document.getElementById("overlay-said");
   const overlay = new Overlay(document.getElementById("overlay"), say);
   let asked = 0;
@@ -14,7 +15,7 @@ export function beginPictures(place, pictures, say) {
   async function show(at) {
     asked += 1;
     const mine = asked;
-    for (const row of body.rows) row.setAttribute("aria-current", String(row.rowIndex - 1 === at));
+    for (const row of table.tBodies[0].rows) row.setAttribute("aria-current", String(row.sectionRowIndex === at));
     const answer = await fetch(`${place.dataset.pictures}${at}`);
     if (mine !== asked) return; // another was wanted meanwhile
     if (!answer.ok) {
@@ -26,17 +27,22 @@ export function beginPictures(place, pictures, say) {
     said.textContent = told(picture, say);
   }
 
-  body.replaceChildren(...pictures.map((each, at) => row(each, say, () => show(at))));
   beginTools(overlay);
-  if (pictures.length) show(0);
+  return (pictures) => {
+    const standing = pictures.some((each) => each.distance_mm !== null);
+    for (const head of table.querySelectorAll("[data-standing]")) head.hidden = !standing;
+    table.tBodies[0].replaceChildren(...pictures.map((each, at) => row(each, say, standing, () => show(at))));
+    if (pictures.length) show(0);
+  };
 }
 
-function row(picture, say, show) {
+function row(picture, say, standing, show) {
   const button = element("button", { type: "button", "aria-label": say("show", { name: picture.name }) }, picture.name);
   button.addEventListener("click", show);
+  const stands = standing ? [number(picture.tilt_deg, 0), number(picture.distance_mm, 0)] : [];
   return element("tr", {},
     element("th", { scope: "row" }, button),
-    number(picture.dots_rms_px, 3), number(picture.stripe_rms_px, 3), number(picture.tilt_deg, 0), number(picture.distance_mm, 0));
+    number(picture.dots_rms_px, 3), number(picture.stripe_rms_px, 3), stands);
 }
 
 function number(value, digits) {

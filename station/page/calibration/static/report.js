@@ -1,10 +1,12 @@
 // The drawings of a report: the figures are had once, a picture's points when it is looked at.
 import { drawByPicture } from "./bypicture.js";
 import { drawComparison } from "./comparison.js";
+import { element } from "./elements.js";
 import { drawHistogram } from "./histogram.js";
 import { drawNeedles } from "./needles.js";
-import { beginPictures } from "./pictures.js";
+import { pictureList } from "./pictures.js";
 import { drawMap, quantile } from "./shades.js";
+import { drawShifts } from "./shifts.js";
 import { quantity, wordsOf } from "./words.js";
 
 const say = wordsOf("report-words");
@@ -20,20 +22,41 @@ function drawSheet(sheet) {
   drawMap(at("sheet-map"), sheet, say, label);
 }
 
-async function begin() {
-  const answer = await fetch(place.dataset.figures);
+async function draw(showPictures) {
+  const wanted = place.dataset.figures;
+  const answer = await fetch(wanted);
   if (!answer.ok) throw new Error(String(answer.status));
   const figures = await answer.json();
-  beginPictures(place, figures.pictures, say);
+  if (wanted !== place.dataset.figures) return; // another sensor was wanted meanwhile
+  showPictures(figures.pictures);
   drawByPicture(at("by-picture"), figures.pictures, say);
   drawHistogram(at("dots-histogram"), figures.histograms.dots, say, false);
   drawHistogram(at("stripe-histogram"), figures.histograms.stripe, say, true);
   drawNeedles(at("dots-field"), figures.field.dots, figures.size_px, say);
   drawNeedles(at("stripe-field"), figures.field.stripe, figures.size_px, say);
-  drawSheet(figures.sheet);
-  drawComparison(at("comparison-map"), figures.comparison, say);
+  // Of a rig's sensor these stand in the report of its own calibration.
+  if (at("sheet-map")) drawSheet(figures.sheet);
+  if (at("comparison-map")) drawComparison(at("comparison-map"), figures.comparison, say);
 }
 
-begin().catch(() => {
-  for (const id of ["overlay", "sheet-map", "comparison-map"]) at(id).textContent = say("unreachable");
-});
+function unreachable() {
+  for (const id of ["overlay", "sheet-map", "comparison-map"]) if (at(id)) at(id).textContent = say("unreachable");
+}
+
+function begin() {
+  const showPictures = pictureList(place, say);
+  const sensors = place.querySelectorAll("button[data-figures]");
+  for (const button of sensors) {
+    button.addEventListener("click", () => {
+      Object.assign(place.dataset, { figures: button.dataset.figures, pictures: button.dataset.pictures });
+      for (const each of sensors) each.setAttribute("aria-pressed", String(each === button));
+      draw(showPictures).catch(unreachable);
+    });
+  }
+  draw(showPictures).catch(unreachable);
+}
+
+if (place) begin();
+if (at("shifts")) {
+  drawShifts(at("shifts")).catch(() => at("shifts").replaceChildren(element("p", { class: "warning" }, say("unreachable"))));
+}

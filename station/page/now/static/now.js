@@ -1,6 +1,7 @@
 // Each sensor's picture lives; the rest of the page is kept as the station is.
 import { beginButtons } from "./buttons.js";
 import { beginParts } from "./parts.js";
+import { SensorOfPage } from "./sensor.js";
 import { Words } from "./words.js";
 import { SensorView } from "./view.js";
 
@@ -10,7 +11,7 @@ const figures = [...document.querySelectorAll("figure[data-sensor]")];
 
 beginParts();
 for (const figure of figures) {
-  const view = new SensorView(figure, words, figures.length);
+  const view = new SensorView(figure, words, figures.length, new SensorOfPage(figure.dataset.sensor));
   beginButtons(figure, view);
   view.begin();
   // A train comes: nobody looks any more.

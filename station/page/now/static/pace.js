@@ -34,7 +34,8 @@ export class Pace {
 
   // The station has no time for it now.
   isBusy(retryAfterS) {
-    this.#waitMs = Math.max(this.#waitMs * 2, retryAfterS * 1000, SOON_MS);
+    const longerMs = Math.min(this.#waitMs * 2, NOTHING_MS);
+    this.#waitMs = Math.max(longerMs, retryAfterS * 1000, SOON_MS);
   }
 
   // There is none, or nobody answers.

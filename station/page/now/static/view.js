@@ -9,6 +9,7 @@ const SHORTEST_MS = 20;
 const STEP_PX = 64; // pictures of a few widths are made, not one for every pixel of a window
 const WIDEST_PX = { card: 640, large: 1600 };
 const ENOUGH_MS = 30000;
+const AWAY = new Set(["blind", "unavailable"]);
 
 export class SensorView {
   #figure;
@@ -16,18 +17,21 @@ export class SensorView {
   #words;
   #pace;
   #sensor;
+  #state;
   #tag = null;
   #inView = true;
   #looking = false;
   #bestWidth = null;
   #seen = null;
 
-  constructor(figure, words, sensors) {
+  // `state`: what the sensor does, whether it has pictures, whether it may be looked through.
+  constructor(figure, words, sensors, state) {
     this.#figure = figure;
     this.#screen = figure.querySelector(".screen");
     this.#words = words;
     this.#pace = new Pace(sensors);
     this.#sensor = figure.dataset.sensor;
+    this.#state = state;
   }
 
   begin() {
@@ -40,7 +44,7 @@ export class SensorView {
   }
 
   get lookable() {
-    return this.#doing === "idle";
+    return this.#state.lookable;
   }
 
   // The camera is asked for pictures, or the recording again.
@@ -55,9 +59,9 @@ export class SensorView {
   async #turn() {
     if (this.#looking && !this.lookable) this.#endLook(this.#words.say("look_busy"));
     const watched = this.#inView && document.visibilityState === "visible";
-    if (watched && this.#mayHaveOne) await this.#ask();
+    if (watched && (this.#looking || this.#state.pictured)) await this.#ask();
     else if (watched) this.#note(this.#words.say("none"));
-    if (this.#seen !== null) captionKind(this.#figure, this.#words, this.#seen, this.#doing);
+    if (this.#seen !== null) captionKind(this.#figure, this.#words, this.#seen, this.#state.doing);
     setTimeout(() => this.#turn(), watched ? Math.max(this.#pace.waitMs, SHORTEST_MS) : UNSEEN_MS);
   }
 
@@ -67,7 +71,7 @@ export class SensorView {
     try {
       const answer = await this.#fetch(looking);
       if (looking !== this.#looking) return;
-      if (answer.status === 304) this.#pace.cameNone(this.#doing !== "idle");
+      if (answer.status === 304) this.#pace.cameNone(this.#state.doing !== "idle");
       else if (answer.ok) await this.#show(answer, looking, began);
       else await this.#tell(answer);
     } catch {
@@ -96,34 +100,33 @@ export class SensorView {
   }
 
   async #tell(answer) {
-    const why = await detailOf(answer);
-    if (this.#looking && answer.status !== 503) {
+    const { detail: why, state } = await problemOf(answer);
+    if (this.#looking && this.#state.looksOn) {
+      this.#lookOn(answer, why, state);
+    } else if (this.#looking && answer.status !== 503) {
       this.#endLook(why);
     } else if (answer.status === 503) {
       this.#note(this.#words.say("busy"));
-      this.#pace.isBusy(Number(answer.headers.get("Retry-After")) || 1);
+      this.#pace.isBusy(retryAfterS(answer));
     } else {
       this.#note(answer.status === 404 ? this.#words.say("none") : this.#words.say("failed", { why }));
       this.#pace.isAway();
     }
   }
 
+  // Whoever holds a target has no hand free to press the button again.
+  #lookOn(answer, why, state) {
+    if (state === "recording") { // takes a picture for the session just now
+      this.#pace.isBusy(0);
+      return;
+    }
+    this.#note(AWAY.has(state) ? this.#words.say("away") : this.#words.say("failed", { why }));
+    this.#pace.isBusy(retryAfterS(answer));
+  }
+
   #endLook(why) {
     this.look(false);
     say(this.#words.say("look_over", { sensor: this.#sensor, why }), "good");
-  }
-
-  get #state() {
-    return document.getElementById(`sensor-${this.#sensor}-doing`).dataset;
-  }
-
-  get #doing() {
-    return this.#state.doing;
-  }
-
-  // A sensor that has recorded nothing yet is not asked for its last picture.
-  get #mayHaveOne() {
-    return this.#looking || "pictured" in this.#state;
   }
 
   get #widthPx() {
@@ -142,10 +145,14 @@ export class SensorView {
   }
 }
 
-async function detailOf(answer) {
+async function problemOf(answer) {
   try {
-    return (await answer.json()).detail;
+    return await answer.json();
   } catch {
-    return String(answer.status);
+    return { detail: String(answer.status) };
   }
+}
+
+function retryAfterS(answer) {
+  return Number(answer.headers.get("Retry-After")) || 1;
 }
