@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import FloatArray, Picture
-from calib.seeing.agreement import agreeing
 from calib.seeing.corners_centre import measure_corners
 from calib.seeing.corners_find import find_corners
 from calib.seeing.lattice import Lattice, find_lattice
 from calib.seeing.noise import PixelNoise
-from calib.seeing.numbering import inside_target, number
+from calib.seeing.placed import Placed
 from calib.seeing.seen import SeenTarget
 from calib.seeing.squares import without_black
 from calib.seeing.stripe_lines import StripeLine
@@ -78,22 +77,22 @@ class CornerPattern:
         mine, empty = self.lattice.within_target(target.rows, target.cols)
         node = np.concatenate([self.lattice.node[mine], empty])
         corners = measure_corners(picture, noise, self.lattice, node, lines)
-        keep = corners.trusted
-        numbering = number(node[keep], self.lattice.picture_from_node, target.rows, target.cols)
-        if numbering is None:
+        placed = Placed.of(
+            self.lattice,
+            node,
+            target,
+            countable=corners.trusted,
+            measurable=corners.trusted,
+            centre_px=corners.centre_px,
+            sigma_px=corners.sigma_px,
+        )
+        if placed is None:
             return None
-        place = numbering.rows_and_cols(node)
-        keep = keep & inside_target(place, target.rows, target.cols)
-        agreed = agreeing(place[keep], corners.centre_px[keep], corners.sigma_px[keep])
-        if agreed is None:
-            return None
-        homography, agree = agreed
-        index = np.flatnonzero(keep)[agree]
         return SeenTarget(
-            place[index],
-            corners.centre_px[index],
-            corners.sigma_px[index],
-            tuple(corners.cause[i] for i in index),
-            homography,
+            placed.place,
+            corners.centre_px[placed.index],
+            corners.sigma_px[placed.index],
+            tuple(corners.cause[i] for i in placed.index),
+            placed.picture_from_board,
             None,
         )

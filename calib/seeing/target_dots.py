@@ -5,14 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.arrays import BoolArray, IntArray, Picture
-from calib.seeing.agreement import agreeing
 from calib.seeing.dots_centre import DotCentres, measure_dots
 from calib.seeing.dots_find import find_dots
 from calib.seeing.dots_soft import SOFT_FROM_PX, blur_px, light_over_outline, without_dots
 from calib.seeing.ellipse import Ellipses
 from calib.seeing.lattice import Lattice, find_lattice
 from calib.seeing.noise import PixelNoise
-from calib.seeing.numbering import inside_target, number
+from calib.seeing.placed import Placed
 from calib.seeing.seen import SeenTarget
 from calib.seeing.stripe_lines import StripeLine
 from calib.seeing.stripe_on_board import BoardArea, BoardStripes
@@ -105,27 +104,26 @@ class DotPattern:
         node = np.concatenate([self.lattice.node[mine], empty])
         outlines = self.outlines.picked(mine).joined(_expected_outlines(self, empty))
         dots = measure_dots(picture, noise, outlines, lines, dark=target.dark)
-        keep = _like_the_others(dots, int(mine.sum()))
-        numbering = number(node[keep], self.lattice.picture_from_node, target.rows, target.cols)
-        if numbering is None:
+        placed = Placed.of(
+            self.lattice,
+            node,
+            target,
+            countable=_like_the_others(dots, int(mine.sum())),
+            # Good enough to count by, a dot may still be too poor to measure with.
+            measurable=dots.sigma_px.max(axis=1) < _LARGEST_SIGMA * dots.outlines.radius_px,
+            centre_px=dots.centre_px,
+            sigma_px=dots.sigma_px,
+        )
+        if placed is None:
             return None
-        place = numbering.rows_and_cols(node)
-        keep &= inside_target(place, target.rows, target.cols)
-        # Good enough to count by, a dot may still be too poor to measure with.
-        keep &= dots.sigma_px.max(axis=1) < _LARGEST_SIGMA * dots.outlines.radius_px
-        agreed = agreeing(place[keep], dots.centre_px[keep], dots.sigma_px[keep])
-        if agreed is None:
-            return None
-        homography, agree = agreed
-        index = np.flatnonzero(keep)[agree]
         return SeenTarget(
-            place[index],
-            dots.centre_px[index],
-            dots.sigma_px[index],
-            _causes(dots, index),
-            homography,
-            dots.outlines.picked(index),
-            light_over_outline(dots.parameters[index]),
+            placed.place,
+            dots.centre_px[placed.index],
+            dots.sigma_px[placed.index],
+            _causes(dots, placed.index),
+            placed.picture_from_board,
+            dots.outlines.picked(placed.index),
+            light_over_outline(dots.parameters[placed.index]),
         )
 
 

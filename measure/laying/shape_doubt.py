@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib import BoolArray, FloatArray, IntArray
+from calib import FloatArray
 from measure.laying.section import Section
 from measure.mounting import Survey
 from measure.placing.template import Template
@@ -24,12 +24,13 @@ _SIGMA_LEAN_RAD = np.radians(6.5)
 _RADIUS_MM = Survey().wheel_radius_mm
 # 1 mm of u95 in flange height, 55 mm from tip to tape circle: what is known less well is not given.
 _MOST_SIGMA_TURN_RAD = 9e-3
-# Chi-square of three strains: passed by 1 of 100 flanges that are as said above.
-_MOST_STRAIN = 11.3
-# Scatter and left-over bends of points that are one place of the flange.
-_SIGMA_SPOT_MM = 0.02
-_SPOT_MM = 0.5
+# Chi-square of three strains: passed by 1 of 20 flanges that are as said above.
+_MOST_STRAIN = 7.8
+# What each place has by itself: pits, scatter, left-over bends. So much that no single place tells
+# of the whole flange.
+_SIGMA_SPOT_MM = 0.05
 _LEAST_SPOTS = 12
+_NO_HOLD = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,26 +71,32 @@ class ShapeDoubt:
         takes what it can: D s - G P n D s is left, with G the motions by x.
         """
         places = section.points_mm - shift_mm
-        along, outside, nearest = template.place(places)
+        _, outside, nearest = template.place(places)
         facing = np.sum(section.to_camera * template.outward[nearest], axis=1) > 0.0
-        spots, counts = _spots(along, facing, template)
-        rigid, strains = rigid_motions(places), oblique_motions(places)
-        if len(spots) < _LEAST_SPOTS:
-            return cls(np.concatenate([rigid, strains], axis=2), np.inf, 0.0)
-        normal = template.outward[nearest[spots]]
+        # What lies off either end of the unworn drawing is nearest to that end.
+        unworn = facing & (nearest > 0) & (nearest < template.tip)
+        spots, of_spot, counts = np.unique(nearest[unworn], return_inverse=True, return_counts=True)
+        heights = np.bincount(of_spot, outside[unworn]) / counts
+        # By the drawing's places, not by the points': their scatter would pass for strain.
+        drawn, normal = template.points_mm[spots], template.outward[spots]
         by_rigid, by_strain = (
-            np.einsum("ni,nij->nj", normal, motion[spots]) for motion in (rigid, strains)
+            np.einsum("ni,nij->nj", normal, motions(drawn))
+            for motions in (rigid_motions, oblique_motions)
         )
+        rigid, strains = rigid_motions(places), oblique_motions(places)
+        # Back or tip by itself, or neither: something turns or shifts and no height changes.
+        if len(spots) < _LEAST_SPOTS or np.linalg.matrix_rank(by_rigid, rtol=_NO_HOLD) < 3:
+            return cls(np.concatenate([rigid, strains], axis=2), np.inf, 0.0)
         root = np.sqrt(counts)
         fit = np.linalg.pinv(by_rigid * root[:, None]) * root
-        form = _form(along[spots])
+        form = _form(template.along_mm[spots])
         laid = fit @ form @ fit.T
         left = strains - rigid @ (fit @ by_strain)
         motions = [rigid @ np.linalg.cholesky(laid), left @ np.linalg.cholesky(expected_strains())]
         return cls(
             np.concatenate(motions, axis=2),
             float(np.sqrt(laid[0, 0])),
-            _strain(outside[spots], np.concatenate([by_rigid, by_strain], axis=1), form),
+            _strain(heights, np.concatenate([by_rigid, by_strain], axis=1), form),
         )
 
     @property
@@ -156,29 +163,16 @@ def expected_strains() -> FloatArray:
     ]) / 4.0  # fmt: skip
 
 
-def _spots(
-    along_mm: FloatArray, facing: BoolArray, template: Template
-) -> tuple[IntArray, FloatArray]:
-    """Return a point of each half millimetre of back and tip that is seen, and of how many it is.
-
-    Neighbours have one form, so that one stands for all; they count in the fit.
-    """
-    unworn = np.flatnonzero(facing & (along_mm < template.along_mm[template.tip]))
-    places = np.floor(along_mm[unworn] / _SPOT_MM)
-    _, first, counts = np.unique(places, return_index=True, return_counts=True)
-    return unworn[first], counts.astype(np.float64)
-
-
 def _form(along_mm: FloatArray) -> FloatArray:
     """Return the covariance of heights over the drawing at places along the flange."""
     apart = (along_mm[:, None] - along_mm) / _FORM_LENGTH_MM
-    smooth = _SIGMA_FORM_MM**2 * np.exp(-0.5 * apart**2)
-    return np.asarray(smooth + _SIGMA_SPOT_MM**2 * np.eye(len(along_mm)))
+    form = _SIGMA_FORM_MM**2 * np.exp(-0.5 * apart**2)
+    return np.asarray(form + _SIGMA_SPOT_MM**2 * np.eye(len(along_mm)))
 
 
-def _strain(outside_mm: FloatArray, design: FloatArray, form: FloatArray) -> float:
+def _strain(heights_mm: FloatArray, design: FloatArray, form: FloatArray) -> float:
     """Return chi-square of the strains that heights show, by what form and mounting allow."""
     certain = np.linalg.solve(form, design)
-    covariance = np.linalg.pinv(design.T @ certain, hermitian=True)
-    shown = (covariance @ (certain.T @ outside_mm))[3:]
-    return float(shown @ np.linalg.solve(covariance[3:, 3:] + expected_strains(), shown))
+    covariance = np.linalg.pinv(design.T @ certain, hermitian=True)[3:]
+    shown = covariance @ (certain.T @ heights_mm)
+    return float(shown @ np.linalg.solve(covariance[:, 3:] + expected_strains(), shown))

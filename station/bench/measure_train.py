@@ -3,26 +3,18 @@
 import tempfile
 import time
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from pathlib import Path
-
-import numpy as np
 
 from calib import Picture, locate_stripe
 from measure import Mounting, WheelFrame, measure_wheel, reference_profile
+from station.bench.exact_calibration import exact_calibration
 from station.bench.figures import figure
+from station.bench.rendered_wheels import rendered_wheels
 from station.bench.timing import CoreTime
-from station.documents import (
-    CalibrationDocument,
-    CameraDocument,
-    MountingDocument,
-    PlaneDocument,
-    RmsDocument,
-)
 from station.pipeline import measure_sources
 from station.progress import Progress
 from station.recording import RecordingWriter
-from station.scenes import WheelScene, WheelTruth, paper_sensor, trackside_mounting
+from station.scenes import paper_sensor, trackside_mounting
 from station.tables import Table
 
 ASKED_FRAME_MS = 25.0
@@ -46,7 +38,7 @@ def bench_train(progress: Progress, *, wheels: int = 212, runs: int = 15) -> Tab
         Of one frame; the table has the median.
     """
     progress(0.0, "rendering")
-    pictures = _pictures()
+    pictures = rendered_wheels(_RENDERED_WHEELS, _OFFSETS_MM, wear_step_mm=2.0)
     one = CoreTime.of(lambda: _locate_and_measure(pictures[2]), runs=runs)
     frames = wheels * len(_OFFSETS_MM)
     with tempfile.TemporaryDirectory(prefix="treadline-bench-") as folder:
@@ -84,21 +76,6 @@ def bench_train(progress: Progress, *, wheels: int = 212, runs: int = 15) -> Tab
     return Table("Time from frames to readings", rows, notes)
 
 
-def _pictures() -> list[Picture]:
-    rng = np.random.default_rng(1)
-    return [
-        WheelScene(
-            paper_sensor(),
-            trackside_mounting("left"),
-            WheelTruth(tread_wear_mm=2.0 * wheel),
-            axle_offset_mm=offset_mm,
-            seed=wheel,
-        ).render(rng)
-        for wheel in range(_RENDERED_WHEELS)
-        for offset_mm in _OFFSETS_MM
-    ]
-
-
 def _locate_and_measure(picture: Picture) -> None:
     measure_wheel(
         [WheelFrame(locate_stripe(picture), 0, _SENSOR)],
@@ -125,28 +102,3 @@ def _over_and_over(pictures: list[Picture], wheels: int) -> Iterator[tuple[int, 
             yield time_ns, picture
             time_ns += _FRAME_NS
         time_ns += _WHEEL_NS
-
-
-def exact_calibration(sensor_id: str) -> CalibrationDocument:
-    """Return the true sensor and its survey as a calibration that has no doubt."""
-    sensor, rig_from_camera = paper_sensor(), trackside_mounting("left")
-    a, b, c, d = sensor.plane.coefficients.tolist()
-    turn_x, turn_y, turn_z = rig_from_camera.rotation_vector.tolist()
-    x, y, z = rig_from_camera.translation_mm.tolist()
-    return CalibrationDocument(
-        sensor=sensor_id,
-        created=datetime.now(UTC),
-        software="bench",
-        method="joint",
-        camera=CameraDocument.from_model(sensor.camera),
-        plane=PlaneDocument(a=a, b=b, c=c, d=d),
-        plane_covariance=((0.0,) * 4,) * 4,
-        rms=RmsDocument(dots_px=0.0, stripe_px=0.0),
-        poses=(),
-        quality={},
-        options={},
-        inputs=(),
-        mounting=MountingDocument(
-            rotation_vector=(turn_x, turn_y, turn_z), translation_mm=(x, y, z)
-        ),
-    )

@@ -4,16 +4,15 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from calib import LaserSensor, Picture
 from measure import Mounting, WheelFrame, each_wheel, reference_profile
+from station.bench.rendered_wheels import rendered_wheels
 from station.bench.timing import CoreTime
 from station.errors import StationError
 from station.pipeline import UnreadBatch, WheelGauge, recorded_batches
 from station.progress import Progress
 from station.recording import RecordingWriter
-from station.scenes import WheelScene, WheelTruth, paper_sensor, trackside_mounting
+from station.scenes import paper_sensor, trackside_mounting
 from station.tables import Table, Value
 
 ASKED_FRAMES_PER_S = 200
@@ -39,7 +38,7 @@ def bench_replay(progress: Progress, *, wheels: int = 3, runs: int = 7) -> Table
     with tempfile.TemporaryDirectory(prefix="treadline-bench-") as folder:
         path = Path(folder, "wheels.mcap")
         progress(0.0, "rendering")
-        count = _record(path, _pictures(wheels))
+        count = _record(path, rendered_wheels(wheels, _OFFSETS_MM))
         work = {
             "reading alone": lambda: _read(path),
             "and locating the stripe": lambda: _located(path, gauge),
@@ -79,21 +78,6 @@ def _gauge(sensor: LaserSensor) -> WheelGauge:
         reference=reference_profile("S1002"),
         made_of=("", ""),  # it stays in this process
     )
-
-
-def _pictures(wheels: int) -> list[Picture]:
-    rng = np.random.default_rng(1)
-    return [
-        WheelScene(
-            paper_sensor(),
-            trackside_mounting("left"),
-            WheelTruth(tread_wear_mm=float(wheel)),
-            axle_offset_mm=offset_mm,
-            seed=wheel,
-        ).render(rng)
-        for wheel in range(wheels)
-        for offset_mm in _OFFSETS_MM
-    ]
 
 
 def _record(path: Path, pictures: Sequence[Picture]) -> int:

@@ -2,22 +2,13 @@
 
 import os
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
-import numpy as np
-
 from calib import Picture
-from station.documents import (
-    CalibrationDocument,
-    CameraDocument,
-    MountingDocument,
-    PlaneDocument,
-    RmsDocument,
-)
+from station.bench.exact_calibration import exact_calibration
+from station.bench.rendered_wheels import rendered_wheels
+from station.documents import CalibrationDocument
 from station.recording import RecordingWriter
-from station.scenes import WheelScene, WheelTruth, paper_sensor, trackside_mounting
-from station.software import SOFTWARE
 
 _SENSOR = "bench"
 _OFFSETS_MM = (-20.0, 20.0)
@@ -25,43 +16,13 @@ _FRAME_NS, _WHEEL_NS = 18_867_925, 500_000_000
 
 
 def true_calibration() -> CalibrationDocument:
-    """Return the calibration of a sensor without any doubt."""
-    truth, mounting = paper_sensor(), trackside_mounting("left")
-    a, b, c, d = truth.plane.coefficients.tolist()
-    return CalibrationDocument(
-        sensor=_SENSOR,
-        created=datetime(2026, 1, 1, tzinfo=UTC),
-        software=SOFTWARE,
-        method="joint",
-        camera=CameraDocument.from_model(truth.camera),
-        plane=PlaneDocument(a=a, b=b, c=c, d=d),
-        plane_covariance=((0.0,) * 4,) * 4,
-        rms=RmsDocument(dots_px=0.0, stripe_px=0.0),
-        poses=(),
-        quality={},
-        options={},
-        inputs=(),
-        mounting=MountingDocument(
-            rotation_vector=_three(mounting.rotation_vector.tolist()),
-            translation_mm=_three(mounting.translation_mm.tolist()),
-        ),
-    )
+    """Return the calibration of the recorded sensor, without any doubt."""
+    return exact_calibration(_SENSOR)
 
 
 def pictures_of_wheels(wheels: int) -> list[Picture]:
     """Render wheels, two pictures of each."""
-    rng = np.random.default_rng(1)
-    return [
-        WheelScene(
-            paper_sensor(),
-            trackside_mounting("left"),
-            WheelTruth(tread_wear_mm=float(wheel)),
-            axle_offset_mm=offset_mm,
-            seed=wheel,
-        ).render(rng)
-        for wheel in range(wheels)
-        for offset_mm in _OFFSETS_MM
-    ]
+    return rendered_wheels(wheels, _OFFSETS_MM)
 
 
 def record_wheels(path: Path, pictures: Sequence[Picture], *, frames: int) -> Path:
@@ -91,8 +52,3 @@ def damage(recording: Path) -> None:
     content[len(content) // 2] ^= 1
     recording.unlink()
     recording.write_bytes(content)
-
-
-def _three(values: Sequence[float]) -> tuple[float, float, float]:
-    first, second, third = values
-    return first, second, third

@@ -43,7 +43,7 @@ PASS_ID = "demo-train"
 IN_FORCE = Method.JOINT
 """The method whose calibrations measure the train; the others solve the same points beside it."""
 
-_JOB_PATIENCE_S = 120.0
+_JOB_PATIENCE_S = 300.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,8 @@ from station.errors import StationError
 from station.processes.port import port_for_later
 from station.simulated import SimulatedCameraProcess
 
-_START_PATIENCE_S = 60.0
-_STOP_PATIENCE_S = 20.0
+_START_PATIENCE_S = 120.0
+_STOP_PATIENCE_S = 60.0
 _FRAME_INTERVAL_S = 1.0 / 53.0
 _WHEEL_INTERVAL_S = 0.5
 """A train at 18 km/h with axles 2.5 m apart."""
@@ -90,7 +90,7 @@ def await_ready(station: RunningStation, client: StationClient) -> None:
     Raises
     ------
     StationError
-        If the station ends, or is not ready within a minute.
+        If the station ends, or is not ready within two minutes.
     """
     deadline = time.monotonic() + _START_PATIENCE_S
     while not client.ready():

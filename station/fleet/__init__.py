@@ -12,7 +12,7 @@ from station.fleet.overview import (
     sensor_healths,
     station_states,
 )
-from station.fleet.process import follow_fleet, run_fleet
+from station.fleet.process import FleetPlaces, begin_fleet, follow_fleet
 from station.fleet.pushing import Pushed, Pusher
 from station.fleet.trends import (
     MOST_PASSES,
@@ -31,6 +31,7 @@ __all__ = [
     "Agreement",
     "Fleet",
     "FleetNote",
+    "FleetPlaces",
     "FleetQuantity",
     "FleetSide",
     "FleetTrend",
@@ -44,6 +45,7 @@ __all__ = [
     "StationState",
     "StationValue",
     "Wear",
+    "begin_fleet",
     "ensure_given",
     "ensure_ready",
     "figure",
@@ -55,7 +57,6 @@ __all__ = [
     "moment",
     "read_note",
     "remarks_on",
-    "run_fleet",
     "sensor_healths",
     "span",
     "station_agreement",

@@ -127,26 +127,40 @@ def measured_wheelsets(session: Session) -> list[str]:
 def _history(session: Session, wheelset: str, side: Side, most: int) -> Sequence[_Found]:
     epoch = "station", "epoch"
     of_pass = [getattr(FleetAxle, n) == getattr(FleetPass, n) for n in epoch]
-    of_wheel = [getattr(FleetAxle, n) == getattr(FleetWheel, n) for n in epoch]
-    query = (
+    # The newest first and their readings after: readings of years would be read to be left out.
+    newest = (
         select(
             FleetAxle.station,
-            FleetPass.id,
-            FleetPass.opened_at,
-            FleetWheel.reference,
-            FleetWheel.readings,
+            FleetAxle.epoch,
+            FleetAxle.wheel_id,
             FleetAxle.jumps,
+            FleetPass.id.label("pass_id"),
+            FleetPass.opened_at,
         )
         .join(FleetPass, and_(*of_pass, FleetPass.id == FleetAxle.pass_id))
-        .join(FleetWheel, and_(*of_wheel, FleetWheel.id == FleetAxle.wheel_id))
         .where(FleetAxle.wheelset == wheelset)
         .where(FleetAxle.wheelset_side == side.value)
+        .where(FleetAxle.wheel_id.is_not(None))
         .where(FleetAxle.placing == Placing.CERTAIN.value)
         .where(~FleetPass.superseded)
         .order_by(FleetPass.opened_at.desc(), FleetAxle.station, FleetPass.id)
         .limit(most)
+        .subquery()
     )
-    return [_Found(*row) for row in session.execute(query)][::-1]
+    of_wheel = [newest.c[n] == getattr(FleetWheel, n) for n in epoch]
+    query = (
+        select(
+            newest.c.station,
+            newest.c.pass_id,
+            newest.c.opened_at,
+            FleetWheel.reference,
+            FleetWheel.readings,
+            newest.c.jumps,
+        )
+        .join(FleetWheel, and_(*of_wheel, FleetWheel.id == newest.c.wheel_id))
+        .order_by(newest.c.opened_at, newest.c.station.desc(), newest.c.pass_id.desc())
+    )
+    return [_Found(*row) for row in session.execute(query)]
 
 
 def _side(side: Side, history: Sequence[_Found]) -> FleetSide:

@@ -4,7 +4,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -51,6 +51,11 @@ def all_cores(*, alone_s: float) -> Generator[Cores]:
         return
     with pool_of_processes(count) as pool:
         yield Cores(pool, ahead=2 * count)
+
+
+def these_or_all_cores(cores: Cores | None, *, alone_s: float) -> AbstractContextManager[Cores]:
+    """Return the cores that were given, or else all."""
+    return all_cores(alone_s=alone_s) if cores is None else nullcontext(cores)
 
 
 def map_on_all_cores(

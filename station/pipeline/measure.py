@@ -8,7 +8,7 @@ from measure import Limits, WheelFrame, each_wheel
 from station.documents import CalibrationDocument, MeasurementDocument, WheelDocument
 from station.errors import InputUnusable
 from station.pipeline.batches import Batch, batches_of
-from station.pipeline.cores import Cores, all_cores
+from station.pipeline.cores import Cores, these_or_all_cores
 from station.pipeline.frames import count_frames
 from station.pipeline.gauge import UnreadBatch, WheelGauge
 from station.pipeline.resumption import Resumption
@@ -28,13 +28,14 @@ def measure_sources(
     limits: Limits | None = None,
     since: Resumption | None = None,
     progress: Progress = silent,
+    cores: Cores | None = None,
 ) -> MeasurementDocument:
     """Measure every wheel in recordings, pictures or folders.
 
     Frames of a recording that follow each other closely are one wheel; every picture of a folder
     is a wheel of its own. A wheel that cannot be measured is a row with a reason. Alarms are
     raised by `limits`, those of practice where not given. With `since`, which is of one recording,
-    only the wheels from there on are measured.
+    only the wheels from there on are measured. It takes all cores where none are given.
 
     Raises
     ------
@@ -55,12 +56,12 @@ def measure_sources(
     def report(done: int) -> None:
         progress(done / total, f"frame {done} of {total}")
 
-    with all_cores(alone_s=total * FRAME_S) as cores:
+    with these_or_all_cores(cores, alone_s=total * FRAME_S) as those:
         wheels = tuple(
             measured_wheels(
                 batches_of(sources, place),
                 gauge,
-                cores,
+                those,
                 unread=refuse,
                 frames_done=report,
                 shown_before=since is not None and since.shown_before,

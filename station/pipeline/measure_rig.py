@@ -14,7 +14,7 @@ from station.documents import (
 )
 from station.errors import InputUnusable, RecordingError, StationError
 from station.pipeline.batches import Batch, batches_of
-from station.pipeline.cores import Cores, all_cores
+from station.pipeline.cores import Cores, these_or_all_cores
 from station.pipeline.frames import count_frames, is_recording
 from station.pipeline.gauge import UnreadBatch
 from station.pipeline.measure import FRAME_S
@@ -38,6 +38,7 @@ def measure_rig(
     limits: Limits | None = None,
     since: Resumption | None = None,
     progress: Progress = silent,
+    cores: Cores | None = None,
 ) -> MeasurementDocument:
     """Measure every wheel that the sensors of a rig saw, in recordings, pictures or folders.
 
@@ -59,7 +60,7 @@ def measure_rig(
         long as one is whole.
     max_skew_us
         Greatest time between frames of one shot.
-    reference, limits, progress
+    reference, limits, progress, cores
         As of `measure_sources`.
     since
         Where in the recordings to begin; a damaged one is refused then: what was measured before
@@ -82,7 +83,8 @@ def measure_rig(
     why |= silent_sensors or {}
     while True:
         try:
-            wheels = _wheels(chosen, replace(gauge, silent=why), max_skew_us, since, progress)
+            told = replace(gauge, silent=why)
+            wheels = _wheels(chosen, told, max_skew_us, since, progress, cores)
             break
         except _Damaged as damaged:
             if all_sound or since is not None or len(chosen) == 1:
@@ -126,6 +128,7 @@ def _wheels(
     max_skew_us: float,
     since: Resumption | None,
     progress: Progress,
+    cores: Cores | None,
 ) -> tuple[WheelDocument, ...]:
     places = {name: BEGINNING if since is None else since.of(name) for name in sources}
     recorded = sum(_count(sensor, source) for sensor, source in sources.items())
@@ -135,12 +138,12 @@ def _wheels(
     def report(done: int) -> None:
         progress(min(done / total, 1.0), f"frame {done} of {total}")
 
-    with all_cores(alone_s=total * FRAME_S) as cores:
+    with these_or_all_cores(cores, alone_s=total * FRAME_S) as those:
         return tuple(
             measured_on_rig(
                 batches,
                 gauge,
-                cores,
+                those,
                 max_skew_us=max_skew_us,
                 unread=_refuse,
                 frames_done=report,

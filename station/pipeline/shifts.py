@@ -3,10 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from calib import FloatArray, Rig
-from measure import Installation, ReadingShifts, reading_shifts, relaid
+from calib import BoolArray, Rig
+from measure import Installation, Profile, ReadingShifts, reading_shifts, relaid
 from station.documents import CalibrationDocument, ProfileDocument, RigDocument
 from station.errors import StationError
 from station.pipeline.references import load_reference
@@ -89,11 +87,14 @@ def _installed(
     return Installation(Rig.of_one(sensor, mounting.rig_from_camera, calibration.sensor), mounting)
 
 
-def _parts(profile: ProfileDocument, sensor: str) -> dict[str, FloatArray]:
-    """Return the points (d, h) that each sensor saw."""
-    points = profile.profile().points_mm
+def _parts(document: ProfileDocument, sensor: str) -> dict[str, Profile]:
+    """Return what of a profile each sensor saw."""
+    profile = document.profile()
     if profile.seen_by is None:
-        return {sensor: points}
-    bits = np.array(profile.seen_by)
-    parts = {name: points[bits >> bit & 1 == 1] for bit, name in enumerate(profile.sensors)}
-    return {name: part for name, part in parts.items() if len(part)}
+        return {sensor: profile}
+    masks = {name: profile.seen_by >> bit & 1 == 1 for bit, name in enumerate(document.sensors)}
+    return {name: _part(profile, mask) for name, mask in masks.items() if mask.any()}
+
+
+def _part(profile: Profile, mask: BoolArray) -> Profile:
+    return Profile(profile.d_mm[mask], profile.h_mm[mask], profile.sigma_mm[mask])

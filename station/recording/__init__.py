@@ -21,7 +21,8 @@ from station.recording.parts import (
 from station.recording.places import BEGINNING, FilePlace, has_place, parts_from
 from station.recording.reader import RecordedFrame, attachment, events, frames
 from station.recording.recover import RecoveryReport, recover
-from station.recording.rotating import PartsSummary, RotatingWriter, Rotation
+from station.recording.rotating import PartsSummary, RotatingWriter
+from station.recording.rotation import Rotation
 from station.recording.verify import VerifyReport, verify
 from station.recording.writer import RecordingSummary, RecordingWriter
 

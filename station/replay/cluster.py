@@ -14,6 +14,8 @@ from station.software import SOFTWARE
 _PACKAGE = "treadline"
 _TLS = "distributed.comm.tls"
 _CONNECT_S, _START_S = 10, 120
+_USUAL_START_S = 5.0
+"""What it takes workers of this machine to start, about."""
 _MEMORY_BYTES = 1 << 30
 """Of a worker: more than twice what one takes, and few enough for all cores of a small machine."""
 _LOCAL_CONFIG = {
@@ -31,6 +33,11 @@ _LOCAL_CONFIG = {
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
 }
+
+
+def sooner_by_workers(alone_s: float, count: int) -> bool:
+    """Tell whether so many workers of this machine, to be started, are sooner done than one."""
+    return count > 1 and alone_s > alone_s / count + _USUAL_START_S
 
 
 @contextmanager

@@ -38,7 +38,11 @@ class Crew(Protocol):
     """Does tasks."""
 
     def each(
-        self, work: Callable[[Task], Result], tasks: Iterable[Task]
+        self,
+        work: Callable[[Task], Result],
+        tasks: Iterable[Task],
+        *,
+        meanwhile: Callable[[], None] = lambda: None,
     ) -> Iterator[Done[Task, Result] | Failed[Task]]:
         """Yield what came of each task, as it is done; a `StationError` of `work` ends it all.
 
@@ -48,6 +52,8 @@ class Crew(Protocol):
             Importable by name.
         tasks
             Taken one by one, only a few ahead of the answers.
+        meanwhile
+            Called every few seconds while others work; what it raises ends it all.
         """
 
 
@@ -55,9 +61,14 @@ class Here:
     """Does tasks one after the other in this process."""
 
     def each(
-        self, work: Callable[[Task], Result], tasks: Iterable[Task]
+        self,
+        work: Callable[[Task], Result],
+        tasks: Iterable[Task],
+        *,
+        meanwhile: Callable[[], None] = lambda: None,
     ) -> Iterator[Done[Task, Result] | Failed[Task]]:
         for task in tasks:
+            meanwhile()
             try:
                 yield Done(task, work(task))
             except StationError:
@@ -83,15 +94,19 @@ class Workers:
         self._threads, self._counted = 0, float("-inf")
 
     def each(
-        self, work: Callable[[Task], Result], tasks: Iterable[Task]
+        self,
+        work: Callable[[Task], Result],
+        tasks: Iterable[Task],
+        *,
+        meanwhile: Callable[[], None] = lambda: None,
     ) -> Iterator[Done[Task, Result] | Failed[Task]]:
         suspects: list[Task] = []
-        for answer in self._tried(work, iter(tasks), self._ahead):
+        for answer in self._tried(work, iter(tasks), self._ahead, meanwhile):
             if isinstance(answer, _Killer):
                 suspects.append(answer.task)
             else:
                 yield answer
-        for answer in self._tried(work, iter(suspects), lambda: 1):
+        for answer in self._tried(work, iter(suspects), lambda: 1, meanwhile):
             if isinstance(answer, _Killer):
                 yield Failed(answer.task, answer.why)
             else:
@@ -102,7 +117,11 @@ class Workers:
         return list(self._client.run(work).values())
 
     def _tried(
-        self, work: Callable[[Task], Result], tasks: Iterator[Task], ahead: Callable[[], int]
+        self,
+        work: Callable[[Task], Result],
+        tasks: Iterator[Task],
+        ahead: Callable[[], int],
+        meanwhile: Callable[[], None],
     ) -> Generator["Done[Task, Result] | Failed[Task] | _Killer[Task]"]:
         flying: dict[Any, Task] = {}
         try:
@@ -112,7 +131,7 @@ class Workers:
                     flying[self._client.submit(work, task, pure=False)] = task
                 if not flying:
                     return
-                for future in self._landed(flying):
+                for future in self._landed(flying, meanwhile):
                     task = flying.pop(future)
                     answer = _answer(future, task)
                     future.release()
@@ -122,7 +141,7 @@ class Workers:
             if flying and self._client.status == "running":
                 self._client.cancel(list(flying), force=True)
 
-    def _landed(self, flying: Iterable[Any]) -> Iterable[Any]:
+    def _landed(self, flying: Iterable[Any], meanwhile: Callable[[], None]) -> Iterable[Any]:
         """Return the tasks that are done, as soon as there is one.
 
         Raises
@@ -140,6 +159,7 @@ class Workers:
                         list(flying), timeout=_COUNT_EACH_S, return_when="FIRST_COMPLETED"
                     ).done
             except TimeoutError:
+                meanwhile()
                 if self._threads_now():
                     gone_at = time.monotonic() + _NO_WORKER_S
                 elif time.monotonic() > gone_at:

@@ -9,7 +9,7 @@ from measure import Limits, Side
 from station.documents import CalibrationDocument, RigDocument
 from station.pipeline import FRAME_S, all_cores
 from station.progress import Progress, silent
-from station.replay.cluster import local_workers, workers_at
+from station.replay.cluster import local_workers, sooner_by_workers, workers_at
 from station.replay.crew import Crew, Done, Failed, Here
 from station.replay.keeping import Answers, Keeping, Tally
 from station.replay.means import Means
@@ -19,9 +19,6 @@ from station.replay.report import Refusal, ReplayForecast, ReplayReport
 from station.replay.target import Target
 from station.replay.task import ReplayTask
 from station.replay.work import Doing, Order, do_order
-
-_CLUSTER_START_S = 5.0
-"""What it takes workers of this machine to start, about."""
 
 
 def replay_recordings(
@@ -186,7 +183,7 @@ class Replay:
         elif cluster is not None:
             with workers_at(cluster) as crew:
                 yield self._ordered(crew, todo)
-        elif workers is not None or _sooner_elsewhere(alone_s, count):
+        elif workers is not None or sooner_by_workers(alone_s, count):
             with local_workers(count) as crew:
                 yield self._ordered(crew, todo)
         else:
@@ -229,10 +226,6 @@ class Replay:
             measured=measured,
             refused=_refusals(refused),
         )
-
-
-def _sooner_elsewhere(alone_s: float, count: int) -> bool:
-    return count > 1 and alone_s > alone_s / count + _CLUSTER_START_S
 
 
 def _refusals(refused: Mapping[str, str]) -> tuple[Refusal, ...]:

@@ -106,18 +106,29 @@ def do_order(order: Order) -> Answer:
     OtherSoftware
         If this is another version than the one that gave the order.
     """
-    if order.software != SOFTWARE:
-        raise OtherSoftware(
-            f"a worker runs {SOFTWARE} and this is {order.software}; install the same on all"
-        )
-    _be_a_worker()
+    be_a_worker(order.software)
     means, lookers = unpacked(order.means)
     doing = Doing(lookers, means.heading(lookers), order.form, dict(means.max_skew_us))
     return doing.do(order.task)
 
 
+def be_a_worker(software: str) -> None:
+    """Prepare this process for what another one gives it to do.
+
+    Raises
+    ------
+    OtherSoftware
+        If this is another version than that one's.
+    """
+    if software != SOFTWARE:
+        raise OtherSoftware(
+            f"a worker runs {SOFTWARE} and this is {software}; install the same on all"
+        )
+    _work_on_one_core()
+
+
 @lru_cache(maxsize=1)
-def _be_a_worker() -> None:
+def _work_on_one_core() -> None:
     use_one_core()
 
 

@@ -6,6 +6,7 @@ import tempfile
 from typing import Any
 
 from station.processes.lifeline import end_with_parent
+from station.processes.priority import yield_to_others, yields
 
 
 def dask_setup(worker: Any) -> None:
@@ -15,4 +16,6 @@ def dask_setup(worker: Any) -> None:
     """
     end_with_parent(os.getppid(), signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if yields():  # as a station's do: a wheel that passes now goes first
+        yield_to_others()
     tempfile.tempdir = str(worker.local_directory)

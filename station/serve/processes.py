@@ -49,7 +49,12 @@ def start_worker(settings: StationSettings, run_dir: Path) -> BaseProcess:
 
 def start_fleet(settings: StationSettings) -> BaseProcess:
     """Start the process that sends to the fleet."""
-    process = _SPAWN.Process(target=_run_fleet, args=(settings, os.getpid()), name="fleet")
+    # Its own module is what the process loads: this one would bring cameras and jobs along.
+    from station.fleet import FleetPlaces, begin_fleet  # noqa: PLC0415  few stations have one
+
+    layout = DataLayout.of(settings)
+    places = FleetPlaces(layout.store_url, layout.root, layout.processes_lock)
+    process = _SPAWN.Process(target=begin_fleet, args=(settings, places, os.getpid()), name="fleet")
     process.start()
     return process
 
@@ -65,15 +70,6 @@ def _run_worker(settings: StationSettings, sockets: dict[str, Path], supervisor_
     begin_process("worker", *_known(settings))
     yield_to_others()
     run_worker(settings, sockets)
-
-
-def _run_fleet(settings: StationSettings, supervisor_pid: int) -> None:
-    end_with_parent(supervisor_pid)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    from station.fleet import run_fleet  # noqa: PLC0415  only this process pays for it
-
-    begin_process("fleet", *_known(settings))
-    run_fleet(settings)
 
 
 def _run_api(

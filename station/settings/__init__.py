@@ -15,6 +15,7 @@ from station.settings.recalibration import (
     RecalibrationSettings,
     SensorRecalibrationSettings,
 )
+from station.settings.replay import ReplaySettings
 from station.settings.rig import MAX_SKEW_US, RigSettings
 from station.settings.sensor import (
     ExposureSettings,
@@ -47,6 +48,7 @@ __all__ = [
     "RangeSettings",
     "RecalibrationSettings",
     "RegionSettings",
+    "ReplaySettings",
     "RigSettings",
     "SensorId",
     "SensorRecalibrationSettings",

@@ -12,6 +12,7 @@ from station.settings.fleet import FleetSettings
 from station.settings.limits import LimitsSettings
 from station.settings.measuring import MeasuringSettings
 from station.settings.recalibration import RecalibrationSettings
+from station.settings.replay import ReplaySettings
 from station.settings.rig import RigSettings
 from station.settings.section import Section
 from station.settings.sensor import SensorSettings
@@ -60,6 +61,8 @@ class StationSettings(Section):
     """The sensors, one or more."""
     recalibration: RecalibrationSettings = Field(default_factory=RecalibrationSettings)
     """Calibrating the sensors anew, nightly and on call."""
+    replay: ReplaySettings = Field(default_factory=ReplaySettings)
+    """Measuring recordings once more."""
     rigs: tuple[RigSettings, ...] = ()
     """Which of them look at the same wheel; a sensor in none is measured by itself."""
     track: TrackSettings | None = None

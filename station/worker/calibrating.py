@@ -6,17 +6,8 @@ from pathlib import Path
 from calib import Method, Target
 from station.pipeline import CalibrationOutcome
 from station.settings import MountingSettings
-from station.store import (
-    CALIBRATION,
-    Calibration,
-    CalibrationPoints,
-    CalibrationState,
-    Job,
-    JobState,
-    Recording,
-    end,
-    the,
-)
+from station.store import Calibration, CalibrationPoints, Job, Recording, the
+from station.worker.calibrated import fail, keep
 from station.worker.context import WorkContext
 from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
 
@@ -43,7 +34,8 @@ def calibrate(context: WorkContext, job_id: str) -> None:
     except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
         fail_calibration(context, job_id, one_line(error, job_id))
         return
-    _keep(context, job, outcome)
+    points = CalibrationPoints(calibration_id=job.subject, csv=outcome.points_csv)
+    keep(context, job_id, Calibration, outcome.document, [points])
 
 
 def _solve(context: WorkContext, job: Job) -> CalibrationOutcome:
@@ -78,27 +70,6 @@ def _order(context: WorkContext, job: Job) -> _Order:
         )
 
 
-def _keep(context: WorkContext, job: Job, outcome: CalibrationOutcome) -> None:
-    with context.store.change() as session:
-        present = the(session, Job, job.id)
-        if present.state is not JobState.RUNNING:  # cancelled while the last step ran
-            return
-        calibration = the(session, Calibration, job.subject)
-        CALIBRATION.check(calibration.id, calibration.state, CalibrationState.READY)
-        calibration.state = CalibrationState.READY
-        calibration.document = outcome.document.model_dump_json()
-        calibration.passed = outcome.document.passed
-        session.add(CalibrationPoints(calibration_id=calibration.id, csv=outcome.points_csv))
-        end(present, JobState.DONE, at=context.now())
-
-
 def fail_calibration(context: WorkContext, job_id: str, why: str) -> None:
     """End a job without a calibration."""
-    with context.store.change() as session:
-        job = the(session, Job, job_id)
-        if job.state not in {JobState.QUEUED, JobState.RUNNING}:
-            return
-        calibration = the(session, Calibration, job.subject)
-        CALIBRATION.check(calibration.id, calibration.state, CalibrationState.FAILED)
-        calibration.state, calibration.reason = CalibrationState.FAILED, why
-        end(job, JobState.FAILED, at=context.now(), error=why)
+    fail(context, job_id, Calibration, why)

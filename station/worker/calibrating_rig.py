@@ -6,21 +6,18 @@ from calib import Target
 from measure import Side
 from station.documents import CalibrationDocument
 from station.errors import InputUnusable
-from station.pipeline import RigOrder, RigOutcome
+from station.pipeline import RigOrder
 from station.settings import StationSettings
 from station.store import (
-    CALIBRATION,
     Calibration,
-    CalibrationState,
     Job,
-    JobState,
     JsonObject,
     Recording,
     RigCalibration,
     RigCalibrationPoints,
-    end,
     the,
 )
+from station.worker.calibrated import fail, keep
 from station.worker.context import WorkContext
 from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
 
@@ -40,7 +37,11 @@ def calibrate_rig(context: WorkContext, job_id: str) -> None:
     except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
         fail_rig_calibration(context, job_id, one_line(error, job_id))
         return
-    _keep(context, job, outcome)
+    points = [
+        RigCalibrationPoints(rig_calibration_id=job.subject, sensor=sensor, csv=text)
+        for sensor, text in outcome.points_csv.items()
+    ]
+    keep(context, job_id, RigCalibration, outcome.document, points)
 
 
 def _order(context: WorkContext, job: Job) -> tuple[list[Path], RigOrder]:
@@ -82,30 +83,6 @@ def _rig_order(
     )
 
 
-def _keep(context: WorkContext, job: Job, outcome: RigOutcome) -> None:
-    with context.store.change() as session:
-        present = the(session, Job, job.id)
-        if present.state is not JobState.RUNNING:  # cancelled while the last step ran
-            return
-        calibration = the(session, RigCalibration, job.subject)
-        CALIBRATION.check(calibration.id, calibration.state, CalibrationState.READY)
-        calibration.state = CalibrationState.READY
-        calibration.document = outcome.document.model_dump_json()
-        calibration.passed = outcome.document.passed
-        session.add_all(
-            RigCalibrationPoints(rig_calibration_id=calibration.id, sensor=sensor, csv=text)
-            for sensor, text in outcome.points_csv.items()
-        )
-        end(present, JobState.DONE, at=context.now())
-
-
 def fail_rig_calibration(context: WorkContext, job_id: str, why: str) -> None:
     """End a job without a rig."""
-    with context.store.change() as session:
-        job = the(session, Job, job_id)
-        if job.state not in {JobState.QUEUED, JobState.RUNNING}:
-            return
-        calibration = the(session, RigCalibration, job.subject)
-        CALIBRATION.check(calibration.id, calibration.state, CalibrationState.FAILED)
-        calibration.state, calibration.reason = CalibrationState.FAILED, why
-        end(job, JobState.FAILED, at=context.now(), error=why)
+    fail(context, job_id, RigCalibration, why)

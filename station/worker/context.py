@@ -10,7 +10,7 @@ from calib import CameraModel, Method, Target
 from measure import Limits
 from station.documents import CalibrationDocument, MeasurementDocument, RigDocument
 from station.operations import Capture, DataLayout, utc_now
-from station.pipeline import CalibrationOutcome, Resumption, RigOrder, RigOutcome
+from station.pipeline import CalibrationOutcome, Cores, Resumption, RigOrder, RigOutcome
 from station.progress import Progress
 from station.settings import MountingSettings, StationSettings
 from station.store import Store
@@ -45,6 +45,7 @@ class MeasureSources(Protocol):
         limits: Limits,
         progress: Progress,
         since: Resumption | None = None,
+        cores: Cores | None = None,
     ) -> MeasurementDocument: ...
 
 
@@ -72,6 +73,7 @@ class MeasureRig(Protocol):
         limits: Limits,
         progress: Progress,
         since: Resumption | None = None,
+        cores: Cores | None = None,
     ) -> MeasurementDocument: ...
 
 

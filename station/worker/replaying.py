@@ -1,31 +1,50 @@
 """The job that measures recordings once more: a recording a step, or those of a rig together.
 
-Each step keeps what it measured and what it says of it in one transaction, so that a worker killed
-in between does no step twice and loses none.
+Where many are left, all of them are given to a crew at once: the workers of the site's cluster, or
+processes of this machine.  Each step keeps what was measured and what it says of it in one
+transaction, so that a worker killed in between does no step twice and loses none.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
+from functools import partial
+from pathlib import Path
 
-from station.documents import CalibrationDocument, RigDocument
-from station.limits import limits_of
+import structlog
+
+from station.documents import MeasurementDocument
+from station.errors import InputUnusable
+from station.pipeline import FRAME_S
+from station.replay import (
+    Crew,
+    Failed,
+    OtherSoftware,
+    Workers,
+    local_workers,
+    sooner_by_workers,
+    workers_at,
+)
 from station.store import (
     JOB,
-    Calibration,
     Job,
     JobState,
     JsonObject,
     Measurement,
     Recording,
     Replay,
-    RigCalibration,
     end,
     the,
 )
 from station.store.measured import add_measurements, note_measured
 from station.worker.context import WorkContext
+from station.worker.replay_orders import StepOrder, carry_out, order_of, rows_of
 from station.worker.reporting import JobCancelled, JobProgress, begin, one_line
-from station.worker.rows import RecordedOnRig, measurement_row, rows_on_rig
+
+_STEPS_A_WORKER = 2
+"""With fewer, some workers of this machine would have nothing to do while others measure long:
+then all cores measure one recording after the other."""
+_log = structlog.get_logger()
 
 
 def begin_replay(context: WorkContext, job_id: str) -> int:
@@ -38,91 +57,146 @@ def begin_replay(context: WorkContext, job_id: str) -> int:
 
 
 def replay_step(context: WorkContext, job_id: str, place: int) -> None:
-    """Measure what one step names and keep it; a second time adds nothing."""
-    with context.store.look() as session:
-        row = the(session, Replay, the(session, Job, job_id).subject)
-    names = row.steps["steps"][place]
-    of = len(row.steps["steps"])
-    progress = JobProgress(context, job_id, first=place / of, last=(place + 1) / of)
+    """Measure what one step names and keep it, and where there is a crew, all steps behind it.
+
+    A step that is kept already is not done again.
+    """
+    step = _Step(context, job_id, place)
     try:
-        measured = _measured(context, row, names, progress)
+        for hire in step.crews():
+            try:
+                with hire() as crew:
+                    step.do_all_by(crew)
+            except (InputUnusable, OtherSoftware) as error:
+                step.say(f"{error}; going on with the cores of the station")
+            else:
+                return
+        step.do()
     except JobCancelled:
         return
-    except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
-        _keep(context, row, names, [], refused=one_line(error, job_id))
-        return
-    _keep(context, row, names, measured)
 
 
-def _measured(
-    context: WorkContext, row: Replay, names: Sequence[str], progress: JobProgress
-) -> list[Measurement]:
-    against = context.settings.model_copy(update={"reference": row.reference})
-    with context.store.look() as session:
-        recordings = [_as_if(the(session, Recording, name), row) for name in names]
-        calibrations = [
-            CalibrationDocument.model_validate_json(
-                the(session, Calibration, row.calibrations[each.sensor]).document or ""
-            )
-            for each in recordings
-        ]
-        rig = row.rig_calibration_id
-        document = None if rig is None else the(session, RigCalibration, rig).document
-    if document is not None:
-        on_rig = RecordedOnRig(
-            RigDocument.model_validate_json(document), tuple(recordings), tuple(calibrations)
-        )
-        return rows_on_rig(replace(context, settings=against), on_rig, progress)
-    (recording,), (calibration,) = recordings, calibrations
-    found = context.mathematics.measure(
-        [context.layout.root / recording.path],
-        calibration,
-        reference=against.reference,
-        limits=limits_of(against.limits),
-        progress=progress,
-    )
-    return [
-        measurement_row(context, recording, wheel, place=at, found=found)
-        for at, wheel in enumerate(found.wheels)
-    ]
+class _Step:
+    """A step of a replay, with all that are left from there on."""
 
+    def __init__(self, context: WorkContext, job_id: str, place: int) -> None:
+        self._context, self._job_id, self._place = context, job_id, place
+        with context.store.look() as session:
+            self._row = the(session, Replay, the(session, Job, job_id).subject)
+        self._steps: list[list[str]] = self._row.steps["steps"]
 
-def _as_if(recording: Recording, row: Replay) -> Recording:
-    """Return a recording as if it had been made under the calibrations of a replay.
-
-    It is no row of the store: what the station recorded, it recorded under others.
-    """
-    return Recording(
-        id=recording.id,
-        sensor=recording.sensor,
-        pass_id=recording.pass_id,
-        path=recording.path,
-        recorded=recording.recorded,
-        calibration_id=row.calibrations[recording.sensor],
-        rig_calibration_id=row.rig_calibration_id,
-    )
-
-
-def _keep(
-    context: WorkContext,
-    row: Replay,
-    names: Sequence[str],
-    measured: Sequence[Measurement],
-    *,
-    refused: str | None = None,
-) -> None:
-    with context.store.change() as session:
-        if the(session, Job, row.job_id).state is not JobState.RUNNING:
+    def crews(self) -> Iterator[Callable[[], AbstractContextManager[Workers]]]:
+        """Yield those who may do what is left, the best first; none where this is sooner done."""
+        left = self._left()
+        if self._steps[self._place] not in left:
             return
-        replay = the(session, Replay, row.id)
-        if names[0] in replay.results:
-            return  # done before the worker was killed, which did not live to say so
-        said: JsonObject = {"refused": refused}
-        if refused is None:
-            added = add_measurements(session, measured)
-            note_measured(session, row.id, measured)
-            said = {"wheels": len(measured), "added": added}
-        replay.results = {**replay.results, names[0]: said}
+        cluster = self._context.settings.replay.cluster
+        if cluster is not None and not self._said():
+            if Path(self._row.reference).is_file():
+                self.say(f"{self._row.reference} is a file of the station; measured here alone")
+            else:
+                yield partial(workers_at, cluster)
+        left, count = self._left(), len(os.sched_getaffinity(0))
+        alone_s = self._frames(left) * FRAME_S
+        if len(left) >= _STEPS_A_WORKER * count and sooner_by_workers(alone_s, count):
+            yield partial(local_workers, count)
+
+    def do_all_by(self, crew: Crew) -> None:
+        """Have a crew measure what is left, and keep each answer as it comes.
+
+        Raises
+        ------
+        InputUnusable, OtherSoftware
+            If the crew can do no more; what was kept stays.
+        JobCancelled
+            If somebody cancelled the job.
+        """
+        progress = JobProgress(self._context, self._job_id)
+        left, of = self._left(), len(self._steps)
+        done = of - len(left)
+
+        def tell() -> None:
+            progress(done / of, f"{done} of {of} recordings")
+
+        for answer in crew.each(carry_out, self._orders(left), meanwhile=tell):
+            if isinstance(answer, Failed):
+                self._keep(answer.task.names, [], refused=answer.why)
+            elif isinstance(answer.result, str):
+                self._keep(answer.task.names, [], refused=answer.result)
+            else:
+                self._keep_found(answer.task.names, answer.result)
+            done += 1
+            tell()
+
+    def do(self) -> None:
+        """Measure what this step names, on the cores of this machine."""
+        names = self._steps[self._place]
+        if names not in self._left():
+            return
+        of = len(self._steps)
+        progress = JobProgress(
+            self._context, self._job_id, first=self._place / of, last=(self._place + 1) / of
+        )
+        try:
+            found = order_of(self._context, self._row, names).measure(progress=progress)
+        except JobCancelled:
+            raise
+        except Exception as error:  # noqa: BLE001  whatever happened, the job must end and say so
+            self._keep(names, [], refused=one_line(error, self._job_id))
+            return
+        self._keep_found(names, found)
+
+    def say(self, what: str) -> None:
+        """Have the job tell one line, beside what it comes to."""
+        _log.warning("replay not done by the cluster", job=self._job_id, why=what)
+        with self._context.store.change() as session:
+            job = the(session, Job, self._job_id)
+            if job.state is JobState.RUNNING:
+                job.error = what
+
+    def _said(self) -> bool:
+        with self._context.store.look() as session:
+            return the(session, Job, self._job_id).error is not None
+
+    def _left(self) -> list[list[str]]:
+        with self._context.store.look() as session:
+            if the(session, Job, self._job_id).state is not JobState.RUNNING:
+                return []
+            kept = the(session, Replay, self._row.id).results
+        return [names for names in self._steps[self._place :] if names[0] not in kept]
+
+    def _frames(self, steps: Sequence[Sequence[str]]) -> int:
+        with self._context.store.look() as session:
+            recordings = [the(session, Recording, name) for names in steps for name in names]
+            return sum(each.recorded or 0 for each in recordings)
+
+    def _orders(self, steps: Sequence[Sequence[str]]) -> Iterator[StepOrder]:
+        for names in steps:
+            try:
+                order = order_of(self._context, self._row, names)
+            except Exception as error:  # noqa: BLE001  as above: the others are done
+                self._keep(names, [], refused=one_line(error, self._job_id))
+            else:
+                yield order
+
+    def _keep_found(self, names: Sequence[str], found: MeasurementDocument) -> None:
+        self._keep(names, rows_of(self._context, self._row, names, found))
+
+    def _keep(
+        self, names: Sequence[str], measured: Sequence[Measurement], *, refused: str | None = None
+    ) -> None:
+        with self._context.store.change() as session:
+            if the(session, Job, self._job_id).state is not JobState.RUNNING:
+                return
+            replay = the(session, Replay, self._row.id)
+            if names[0] in replay.results:
+                return  # done before the worker was killed, which did not live to say so
+            said: JsonObject = {"refused": refused}
+            if refused is None:
+                added = add_measurements(session, measured)
+                note_measured(session, replay.id, measured)
+                said = {"wheels": len(measured), "added": added}
+            replay.results = {**replay.results, names[0]: said}
 
 
 def conclude_replay(context: WorkContext, job_id: str) -> None:
@@ -137,7 +211,8 @@ def conclude_replay(context: WorkContext, job_id: str) -> None:
         ]
         failed = len(refused) == len(results)
         state = JobState.FAILED if failed else JobState.DONE
-        why = "; ".join(refused) or ("there was nothing to measure" if failed else None)
+        told = [job.error] if job.error else []
+        why = "; ".join([*told, *refused]) or ("there was nothing to measure" if failed else None)
         end(job, state, at=context.now(), error=why)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from station.documents import (
@@ -106,10 +107,17 @@ def rows_on_rig(
     since: Resumption | None = None,
 ) -> list[Measurement]:
     """Measure the wheels that the sensors of a rig saw together; a row a wheel."""
+    found = measuring_on_rig(context, on_rig)(progress=progress, since=since)
+    return rows_of_rig(context, on_rig, found)
+
+
+def measuring_on_rig(context: WorkContext, on_rig: RecordedOnRig) -> partial[MeasurementDocument]:
+    """Return the measuring of what the sensors of a rig saw together, to be done anywhere."""
     rig = context.settings.rig(on_rig.document.rig)
     recordings = on_rig.measurable
-    found = context.mathematics.measure_rig(
-        {name: context.layout.root / each.path for name, each in recordings.items()},
+    return partial(
+        context.mathematics.measure_rig,
+        {name: (context.layout.root / each.path).absolute() for name, each in recordings.items()},
         on_rig.document,
         calibrations=[each for each in on_rig.calibrations if each.sensor in recordings],
         silent_sensors=on_rig.silent,
@@ -117,9 +125,14 @@ def rows_on_rig(
         max_skew_us=MAX_SKEW_US if rig is None else rig.max_skew_us,
         reference=context.settings.reference,
         limits=limits_of(context.settings.limits),
-        progress=progress,
-        since=since,
     )
+
+
+def rows_of_rig(
+    context: WorkContext, on_rig: RecordedOnRig, found: MeasurementDocument
+) -> list[Measurement]:
+    """Return the rows of what was measured on a rig."""
+    recordings = on_rig.measurable
     by_file = {Path(each.path).name: each for each in recordings.values()}
     return [
         measurement_row(context, recording_of(wheel, by_file), wheel, place=at, found=found)

@@ -99,8 +99,8 @@ def test_best_linear_estimate_scatters_as_the_bound_says(rng):
 
 
 def test_at_large_dot_noise_the_baseline_errs_many_times_more(rng):
-    _, joint, baseline = sweep(rng, (5.0, 0.5), 30, (Method.JOINT, Method.PREPLANAR))
-    # Ten times is typical and depends on the poses; 30 runs pin a ratio to 18 %.
+    _, joint, baseline = sweep(rng, (5.0, 0.5), 15, (Method.JOINT, Method.PREPLANAR))
+    # Ten times is typical and depends on the poses; 15 runs pin a ratio to 26 %.
     assert np.sqrt(np.mean((baseline / joint) ** 2)) > 6.0
 
 
@@ -143,10 +143,10 @@ CASES = pytest.mark.parametrize(
 
 @CASES
 def test_predicted_sigma_matches_the_scatter(rng, camera, target, understated):
-    scaled = scaled_errors(rng, 50, camera=camera, target=target, understated=understated)
-    # One standard deviation of 50 runs is known to 10 %. Those of one plane or camera go together
-    # but for two or three directions, so their mean is known to about 6 %; three of those.
-    assert rms(scaled).mean() == pytest.approx(1.0, abs=0.18)
+    scaled = scaled_errors(rng, 30, camera=camera, target=target, understated=understated)
+    # One standard deviation of 30 runs is known to 13 %. Those of one plane or camera go together
+    # but for two or three directions, so their mean is known to about 8 %; three of those.
+    assert rms(scaled).mean() == pytest.approx(1.0, abs=0.24)
 
 
 @pytest.mark.slow

@@ -120,13 +120,13 @@ def test_uncertainty_is_the_scatter_where_the_axis_is_known(rng):
             name="",
             axis_in_cam=axis,
         )
-        for _ in range(60)
+        for _ in range(36)
     ]
     assert {reading.reason for reading in readings} == {""}
     scatter = np.std([reading.radius_mm for reading in readings], ddof=1)
     predicted = np.mean([reading.u95_mm for reading in readings]) / 1.96
-    # So few points are too far apart to share noise. Sixty draws pin a scatter to 9 %.
-    assert predicted == pytest.approx(scatter, rel=0.25)
+    # So few points are too far apart to share noise. 36 draws pin a scatter to 12 %.
+    assert predicted == pytest.approx(scatter, rel=0.3)
 
 
 def test_free_axis_is_told_to_be_much_more_uncertain(rng):

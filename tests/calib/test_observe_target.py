@@ -41,6 +41,7 @@ def light_of(name):
     return LIGHTS[name].light()
 
 
+@cache
 def seen_in(name, seed=5):
     scene = LIGHTS[name]
     rng = np.random.default_rng(seed)

@@ -50,7 +50,7 @@ def numbered(points, size, rows=ROWS, cols=COLS):
     lost=st.integers(0, 16),
     false=st.integers(0, 40),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_a_numbering_is_right_or_refused(turn, tilt, seed, lost, false):
     rng = np.random.default_rng(seed)
     truth = grid()

@@ -45,7 +45,7 @@ def prepare(checkout, what="run"):
         env={"PATH": str(path), "HOME": os.environ.get("HOME", "/"), "TMPDIR": str(checkout)},
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=120,
         check=False,
     )
 

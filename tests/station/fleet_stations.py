@@ -4,20 +4,27 @@ import threading
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 
+from newest_schema import make_store
 from sqlalchemy import func, select
 
 from measure import Alarm, Limits, Placing, Side, Status
 from station.errors import StoreUnusable
-from station.fleet import Pusher
+from station.fleet import Fleet, Pusher, migrate_fleet
 from station.fleet.tables import FleetAxle, FleetPass, FleetWheel
 from station.store import (
+    Actor,
     AxleWheel,
     Calibration,
     CalibrationState,
     Measurement,
     Pass,
     PassState,
+    Recalibration,
+    RecalibrationState,
     Recording,
+    Store,
+    activate,
+    sqlite_url,
 )
 from station.store.measured import add_measurements, replace_axles
 
@@ -180,3 +187,47 @@ class CutOff:
                 raise StoreUnusable("cut off")
         if self.good < 0:
             raise StoreUnusable("cut off")
+
+
+@contextmanager
+def fleet_of_two(folder, url):
+    """Stations north and south, with empty stores, and the fleet they send to."""
+    migrate_fleet(url)
+    fleet = Fleet.open(url)
+    stations = []
+    for name in ("north", "south"):
+        make_store(sqlite_url(folder / f"{name}.sqlite"))
+        stations.append(Sending(Store.open(sqlite_url(folder / f"{name}.sqlite")), fleet, name))
+    yield stations
+    for each in stations:
+        each.store.close()
+    fleet.close()
+
+
+def night_of(station, *, alarm=True):
+    """Put a calibration in force, and have a night find that the sensor has moved."""
+    with station.store.change() as session:
+        other = calibration("d")
+        session.add(other)
+        session.flush()
+        activate(session, other, sensor="left", seen=None, by=Actor("somebody"), at=BEGAN)
+        session.add(night(alarm=alarm))
+
+
+def night(*, alarm=True):
+    return Recalibration(
+        id="n",
+        state=RecalibrationState.ASKING,
+        sensor="left",
+        ordered_at=BEGAN,
+        ordered_by="the schedule",
+        job_id="j",
+        findings={},
+        version=1,
+        outcome="drifted",
+        action="ask",
+        alarm=alarm,
+        present_version=1,
+        figures={"sheet_rms_mm": 0.21, "sheet_largest_mm": 0.4},
+        reasons={"reasons": ["it has moved"]},
+    )

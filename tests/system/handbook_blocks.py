@@ -24,6 +24,7 @@ PAGES = (
     "controller",
     "report",
     "replay",
+    "fleet",
     "alarms",
     "camera-changed",
     "backup",
@@ -33,8 +34,8 @@ PAGES = (
 _FENCE = re.compile(r"^```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _BEGUN, _ENDED = "@@ begun", "@@ ended"
 _SHOWN_PORT = "8080"
-_LONGEST_S = 240.0
-_ENDING_S = 20.0
+_LONGEST_S = 540.0
+_ENDING_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from station.demo.trackside import roll_train_by
 from station.recording import frames
 from station.simulated import SimulatedCameraProcess
 
-READY_S = 60.0
+READY_S = 240.0
 
 
 def pass_again(folder, pass_id, recordings):

@@ -27,7 +27,7 @@ def kept(tmp_path_factory):
 @pytest.fixture(scope="module")
 def demo(kept):
     command = [sys.executable, "-m", "station", "demo", "--out", str(kept), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=540, check=False)
     log = kept / "station.log"
     assert done.returncode == 0, done.stderr + (log.read_text() if log.exists() else "")
     return json.loads(done.stdout)
@@ -134,7 +134,7 @@ def test_second_pass_before_cameras_that_show_the_first_is_read_the_same_bit_for
 
 def test_folder_in_use_is_refused(demo, kept):
     command = [sys.executable, "-m", "station", "demo", "--out", str(kept)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     assert done.returncode == 2
     assert "not empty" in done.stderr
 

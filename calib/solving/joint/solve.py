@@ -1,10 +1,9 @@
 """The robust maximum-likelihood solve: poses, and as wanted the light plane and the camera."""
 
-import numpy as np
-
 from calib.errors import NotConverged
 from calib.lens import normalised_of
 from calib.solving.joint.belief import Belief, Place
+from calib.solving.joint.damping import Damping, descends
 from calib.solving.joint.parameters import POSE_SIZE, Estimate
 from calib.solving.joint.problem import Problem, Solution
 
@@ -16,8 +15,7 @@ _SETTLING = 40
 _ARRIVED = 1e-3
 # A step of less than this many standard deviations a parameter: what is left is noise, not misfit.
 _NEAR = 0.5
-_LEAST_DAMPING, _FIRST_DAMPING, _MOST_DAMPING = 1e-12, 1e-4, 1e10
-_FIRST_RAISING = 4.0
+_FIRST_DAMPING = 1e-4
 
 
 def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
@@ -54,11 +52,11 @@ def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
     place = Place.at(problem, start, rays)
     belief = (Belief.from_near if near else Belief.from_medians)(problem, place)
     parameters = problem.layout.size + POSE_SIZE * problem.observations.count
-    damping, raising = _FIRST_DAMPING, _FIRST_RAISING
+    damping = Damping(_FIRST_DAMPING)
     moving, runs_counted = True, False
     for iteration in range(1, _ITERATIONS + 1):
         total = belief.equations(problem, place)[2]
-        global_step, pose_steps, decrement = total.step(damping)
+        global_step, pose_steps, decrement = total.step(damping.value)
         if decrement <= _ARRIVED**2 and not moving:
             if runs_counted:
                 return _solution(problem, place, belief, iteration)
@@ -69,8 +67,7 @@ def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
         trial = problem.layout.moved(place.estimate, global_step, pose_steps)
         trial_place = Place.at(problem, trial, rays)
         fall = total.cost - belief.cost(problem, trial_place)
-        # Near the end the cost cannot fall by more than its own rounding.
-        if fall >= -1e-12 * (1.0 + total.cost):
+        if descends(fall, total.cost):
             place, before = trial_place, belief
             if iteration > _SETTLING and belief.dots.settled:
                 belief = belief.held_at(problem, place)
@@ -79,31 +76,18 @@ def solve(problem: Problem, start: Estimate, *, near: bool) -> Solution:
             else:
                 belief = Belief.from_medians(problem, place)
             moving = belief.differs_from(before)
-            damping, raising = eased(damping, fall, decrement), _FIRST_RAISING
-        elif damping >= _MOST_DAMPING:
+            damping = damping.eased(fall, decrement)
+        elif damping.exhausted:
             raise NotConverged(
                 f"the solve stands still after {iteration} steps; check the target's size and "
                 "the pictures' quality"
             )
         else:
-            # Ever faster: in a curved valley the damping that just works is found in small steps,
-            # and from afar it is soon there.
-            damping, raising = damping * raising, raising * _FIRST_RAISING
+            damping = damping.raised()
     raise NotConverged(
         f"the solve did not end within {_ITERATIONS} steps; check the target's size and the "
         "pictures' quality"
     )
-
-
-def eased(damping: float, fall: float, decrement: float) -> float:
-    """Return the damping after a step that was taken, by Nielsen's rule.
-
-    It eases where the cost fell as foretold. Where it did not - at large noise a board seen from
-    the front is curved in its tilt - it stays, or the walk would go to and fro.
-    """
-    gain = 2.0 * fall / decrement if decrement > 1e-9 else 1.0
-    factor = 1.0 - (2.0 * min(gain, 1.0) - 1.0) ** 3
-    return float(np.clip(damping * max(factor, 0.1), _LEAST_DAMPING, _MOST_DAMPING))
 
 
 def _solution(problem: Problem, place: Place, belief: Belief, iterations: int) -> Solution:

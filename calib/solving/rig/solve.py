@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from calib.errors import NotConverged
+from calib.solving.joint.damping import Damping, descends
 from calib.solving.joint.normal_equations import ArrowCovariance
-from calib.solving.joint.solve import eased
 from calib.solving.rig.belief import RigBelief, RigPlace
 from calib.solving.rig.problem import RigProblem
 from calib.solving.rig.unknowns import RigState
@@ -14,8 +14,7 @@ _ITERATIONS = 100
 _SETTLING = 30
 # A step shorter than this many standard deviations (of all parameters together) is an arrival.
 _ARRIVED = 1e-3
-_FIRST_DAMPING, _MOST_DAMPING = 1e-6, 1e10
-_FIRST_RAISING = 4.0
+_FIRST_DAMPING = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,11 +56,11 @@ def solve_rig(problem: RigProblem, start: RigState) -> RigSolution:
     """
     place = RigPlace.at(problem, start)
     belief = RigBelief.from_medians(problem, place)
-    damping, raising = _FIRST_DAMPING, _FIRST_RAISING
+    damping = Damping(_FIRST_DAMPING)
     moving, runs_counted = True, False
     for iteration in range(1, _ITERATIONS + 1):
         total = belief.equations(problem, place)[1]
-        step, dot_steps, decrement = total.step(damping)
+        step, dot_steps, decrement = total.step(damping.value)
         if decrement <= _ARRIVED**2 and not moving:
             if runs_counted:
                 return RigSolution(place, belief, total.covariance(), total.cost, iteration)
@@ -72,21 +71,20 @@ def solve_rig(problem: RigProblem, start: RigState) -> RigSolution:
             continue
         trial = RigPlace.at(problem, problem.layout.moved(place.state, step, dot_steps))
         fall = total.cost - belief.cost(problem, trial)
-        # Near the end the cost cannot fall by more than its own rounding.
-        if fall >= -1e-12 * (1.0 + total.cost):
+        if descends(fall, total.cost):
             place, before = trial, belief
             held = runs_counted or iteration > _SETTLING
             renew = belief.held_at if held else belief.settled_at
             belief = renew(problem, place)
             moving = belief.differs_from(before)
-            damping, raising = eased(damping, fall, decrement), _FIRST_RAISING
-        elif damping >= _MOST_DAMPING:
+            damping = damping.eased(fall, decrement)
+        elif damping.exhausted:
             raise NotConverged(
                 f"the solve of the rig stands still after {iteration} steps; check the boards' "
                 "size and the pictures' quality"
             )
         else:
-            damping, raising = damping * raising, raising * _FIRST_RAISING
+            damping = damping.raised()
     raise NotConverged(
         f"the solve of the rig did not end within {_ITERATIONS} steps; check the boards' size and "
         "the pictures' quality"

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from sqlalchemy.orm import Session
 
-from station.bench.measure_train import exact_calibration
+from station.bench.exact_calibration import exact_calibration
 from station.bench.service.filled_store import Traffic, fill
 from station.bench.service.trains_by import RATE_HZ, WheelsGoingBy, record_train, render_wheels
 from station.bench.service.trains_waiting import RecordedTrain, TrainsWaiting

@@ -10,7 +10,7 @@ from typing import Any
 from sqlalchemy import select
 
 from measure import Limits
-from station.bench.service.small_sensor import exact_calibration
+from station.bench.service.small_sensor import true_calibration
 from station.bench.service.station_process import StationProcess
 from station.errors import StationError
 from station.operations import DataLayout
@@ -74,7 +74,7 @@ def _sound(part: Path) -> bool:
 
 def _measured_again(files: list[Path]) -> Mapping[int, dict[str, Any]]:
     """Return the wheels in the files by their frames, without profiles, as the store keeps them."""
-    found = measure_sources(files, exact_calibration(), limits=Limits.default())
+    found = measure_sources(files, true_calibration(), limits=Limits.default())
     return {
         wheel.frame: wheel.model_dump(mode="json", exclude={"profile"})
         for wheel in found.wheels

@@ -4,23 +4,16 @@ Small pictures cost little to send, write and measure: what is looked at is the 
 """
 
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 
-from calib import FloatArray, LaserSensor, Picture
-from station.documents import (
-    CalibrationDocument,
-    CameraDocument,
-    MountingDocument,
-    PlaneDocument,
-    RmsDocument,
-)
+from calib import LaserSensor, Picture
+from station.bench.exact_calibration import exact_calibration
+from station.documents import CalibrationDocument
 from station.operations import DataLayout, utc_now
 from station.scenes import WheelScene, WheelTruth, paper_sensor, trackside_mounting
 from station.simulated import ArraySource
-from station.software import SOFTWARE
 from station.store import (
     STATION,
     Calibration,
@@ -34,7 +27,6 @@ SENSOR = "left"
 CALIBRATION_ID = "exact"
 _LEFT_PX, _TOP_PX, _WIDTH_PX, _HEIGHT_PX = 632, 384, 768, 288
 """Where the stripe of a wheel is in the pictures of the whole chip."""
-_NO_DOUBT: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
 def small_sensor() -> LaserSensor:
@@ -75,33 +67,9 @@ class KeptPictures:
         return ArraySource(list(np.load(self.path, mmap_mode="r")))
 
 
-def exact_calibration() -> CalibrationDocument:
-    """Return the true sensor and its survey as a calibration that has no doubt."""
-    sensor, rig_from_camera = small_sensor(), trackside_mounting("left")
-    a, b, c, d = sensor.plane.coefficients.tolist()
-    return CalibrationDocument(
-        sensor=SENSOR,
-        created=datetime(2026, 1, 1, tzinfo=UTC),
-        software=SOFTWARE,
-        method="joint",
-        camera=CameraDocument.from_model(sensor.camera),
-        plane=PlaneDocument(a=a, b=b, c=c, d=d),
-        plane_covariance=(_NO_DOUBT, _NO_DOUBT, _NO_DOUBT, _NO_DOUBT),
-        rms=RmsDocument(dots_px=0.0, stripe_px=0.0),
-        poses=(),
-        quality={},
-        options={},
-        inputs=(),
-        mounting=MountingDocument(
-            rotation_vector=_three(rig_from_camera.rotation_vector),
-            translation_mm=_three(rig_from_camera.translation_mm),
-        ),
-    )
-
-
-def _three(values: FloatArray) -> tuple[float, float, float]:
-    first, second, third = values.tolist()
-    return first, second, third
+def true_calibration() -> CalibrationDocument:
+    """Return the small sensor and its survey as a calibration that has no doubt."""
+    return exact_calibration(SENSOR, small_sensor())
 
 
 def bring_calibration_into_force(layout: DataLayout) -> None:
@@ -120,7 +88,7 @@ def bring_calibration_into_force(layout: DataLayout) -> None:
                 recording_ids={"recordings": [], "laser_off": []},
                 created_at=utc_now(),
                 job_id=f"job-{CALIBRATION_ID}",
-                document=exact_calibration().model_dump_json(),
+                document=true_calibration().model_dump_json(),
                 passed=True,
             )
             session.add(row)

@@ -46,22 +46,20 @@ def sensors_page(healths: Sequence[SensorHealth], due_after: timedelta, at: date
 
 
 def _table(caption: str, healths: Sequence[SensorHealth], due_after: timedelta) -> Markup:
-    heads = ("Sensor", "Station", "Calibration", "Age", "Dots, stripe", "Last night", "Drift rms")
-    rows = (_row(each, due_after) for each in healths)
-    return table(caption, (*heads, "Due", "Health"), rows)
+    heads = ("Sensor", "Health", "Calibration", "Age", "Last night", "Drift rms", "Dots, stripe")
+    return table(caption, heads, (_row(each, due_after) for each in healths))
 
 
 def _row(health: SensorHealth, due_after: timedelta) -> tuple[Child, ...]:
+    name = health.name if health.of == "sensor" else f"rig {health.name}"
     return (
-        health.name if health.of == "sensor" else f"rig {health.name}",
-        health.station,
+        element("span", name, element("span", health.station, class_="below")),
+        _verdict(health, due_after),
         two_lines(health.calibration_id, f"version {health.version}"),
-        nowrap(span(health.age_s)),
-        two_lines(_px(health.rms_dots_px), _px(health.rms_stripe_px)),
+        two_lines(span(health.age_s), f"due {health.created_at + due_after:%Y-%m-%d}"),
         _night(health),
         _drift(health),
-        nowrap(f"{health.created_at + due_after:%Y-%m-%d}"),
-        _verdict(health, due_after),
+        two_lines(_px(health.rms_dots_px), _px(health.rms_stripe_px)),
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from station.fleet.overview import StationState
-from station.fleet.pages.parts import UNKNOWN, badge, card, empty, nowrap, table, two_lines
+from station.fleet.pages.parts import UNKNOWN, badge, card, empty, table, two_lines
 from station.fleet.wording import moment, remarks_on, span
 from station.report import Child, Markup, count, element
 
@@ -15,7 +15,7 @@ def stations_card(states: Sequence[StationState]) -> Markup:
     """Return a row for each station."""
     if not states:
         return card("Stations", empty("No station has sent anything yet."), id_="stations")
-    heads = ("Station", "Last heard", "To send", "Passes", "Last pass", "Alarms in it", "Remarks")
+    heads = ("Station", "Last heard", "Alarms", "Passes", "To send", "Remarks")
     rows = (_row(state) for state in states)
     return card("Stations", table("Stations", heads, rows), id_="stations")
 
@@ -25,10 +25,9 @@ def _row(state: StationState) -> tuple[Child, ...]:
     return (
         element("span", state.station, element("span", state.name, class_="below")),
         _heard(state),
+        badge(f"{state.alarms} in its last pass", "bad") if state.alarms else UNKNOWN,
+        _passes(state),
         _behind(state),
-        f"{state.passes}",
-        nowrap(UNKNOWN if state.last_pass_at is None else moment(state.last_pass_at)),
-        badge(f"{state.alarms}", "bad") if state.alarms else UNKNOWN,
         "; ".join(others) or UNKNOWN,
     )
 
@@ -39,6 +38,12 @@ def _heard(state: StationState) -> Child:
         return two_lines(ago, moment(state.last_heard_at))
     text = element("span", moment(state.last_heard_at), class_="below")
     return element("td", badge(f"silent, {ago}", "warn"), text, class_="nowrap")
+
+
+def _passes(state: StationState) -> Child:
+    if state.last_pass_at is None:
+        return f"{state.passes}"
+    return two_lines(f"{state.passes}", f"last {moment(state.last_pass_at)}")
 
 
 def _behind(state: StationState) -> Child:

@@ -1,4 +1,5 @@
 // What every page does: vouch for its calls, say what came of them, and tick.
+import { beginHearing } from "./answers.js";
 import { beginTicking } from "./ticking.js";
 import { beginToggles } from "./toggles.js";
 import { say, sayAgain, sayDone } from "./saying.js";
@@ -19,9 +20,9 @@ document.body.addEventListener("htmx:sendError", () => {
 });
 document.body.addEventListener("htmx:afterOnLoad", () => { unreachable = false; });
 
-document.body.addEventListener("htmx:responseError", (event) => {
-  say(problemIn(event.detail.xhr), "bad");
-});
+const sayRefused = (call) => say(problemIn(call), "bad");
+document.body.addEventListener("htmx:responseError", (event) => sayRefused(event.detail.xhr));
+beginHearing(sayRefused);
 
 function problemIn(call) {
   try {

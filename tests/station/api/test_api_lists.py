@@ -49,79 +49,93 @@ def call(filled):
 def fill(served):
     with served.store.change() as session:
         for number in range(ROWS):
-            at = NOON + timedelta(minutes=min(number, 4))
-            session.add(
-                Pass(id=f"p{number}", state=PassState.DONE, train=f"t{number % 2}", opened_at=at)
-            )
-            session.add(
-                CalibrationSession(
-                    id=f"s{number}",
-                    state=SessionState.RECORDED,
-                    sensor=SENSORS[number % 2],
-                    target="dots:7x8:12",
-                    pictures=3,
-                    opened_at=at,
-                )
-            )
-            session.add(
-                Job(
-                    id=f"j{number}",
-                    kind="measure",
-                    subject=f"p{number}",
-                    state=JobState.DONE if number % 2 else JobState.FAILED,
-                    progress=1.0,
-                    doing="done",
-                    created_at=at,
-                )
-            )
-            session.add(
-                Calibration(
-                    id=f"c{number}",
-                    state=CalibrationState.READY,
-                    sensor=SENSORS[number % 2],
-                    target="dots:7x8:12",
-                    method="joint",
-                    recording_ids={"recordings": [], "laser_off": []},
-                    created_at=at,
-                    job_id="j",
-                    document="{}",
-                )
-            )
-            session.add(
-                RigCalibration(
-                    id=f"g{number}",
-                    state=CalibrationState.READY,
-                    rig=("wheel", "other")[number % 2],
-                    created_at=at,
-                )
-            )
+            session.add_all([a_pass(number), a_session(number), a_job(number)])
+            session.add_all([a_calibration(number), a_rig_calibration(number)])
         session.flush()
-        for number in range(ROWS):
-            at = NOON + timedelta(minutes=min(number, 4))
-            of = {"pass_id": f"p{number}"} if number < 4 else {"session_id": f"s{number}"}
-            session.add(
-                Recording(
-                    id=f"r{number}",
-                    sensor=SENSORS[number % 2],
-                    path="x",
-                    opened_at=at,
-                    recovered=False,
-                    **of,
-                )
-            )
+        session.add_all(a_recording(number) for number in range(ROWS))
         session.flush()
-        for number in (1, 4):
-            session.add(
-                AxleWheel(
-                    pass_id=f"p{number}",
-                    place=1,
-                    side="left",
-                    placing="certain",
-                    others={"measurements": []},
-                    wheelset="ws-1",
-                    jumps={},
-                )
-            )
+        session.add_all(a_wheel(number) for number in (1, 4))
+
+
+def moment(number):
+    return NOON + timedelta(minutes=min(number, 4))
+
+
+def a_pass(number):
+    return Pass(
+        id=f"p{number}", state=PassState.DONE, train=f"t{number % 2}", opened_at=moment(number)
+    )
+
+
+def a_session(number):
+    return CalibrationSession(
+        id=f"s{number}",
+        state=SessionState.RECORDED,
+        sensor=SENSORS[number % 2],
+        target="dots:7x8:12",
+        pictures=3,
+        opened_at=moment(number),
+    )
+
+
+def a_job(number):
+    return Job(
+        id=f"j{number}",
+        kind="measure",
+        subject=f"p{number}",
+        state=JobState.DONE if number % 2 else JobState.FAILED,
+        progress=1.0,
+        doing="done",
+        created_at=moment(number),
+    )
+
+
+def a_calibration(number):
+    return Calibration(
+        id=f"c{number}",
+        state=CalibrationState.READY,
+        sensor=SENSORS[number % 2],
+        target="dots:7x8:12",
+        method="joint",
+        recording_ids={"recordings": [], "laser_off": []},
+        created_at=moment(number),
+        job_id="j",
+        document="{}",
+    )
+
+
+def a_rig_calibration(number):
+    return RigCalibration(
+        id=f"g{number}",
+        state=CalibrationState.READY,
+        rig=("wheel", "other")[number % 2],
+        created_at=moment(number),
+    )
+
+
+def a_recording(number):
+    """The first four are of passes, the others of sessions."""
+    of = {"pass_id": f"p{number}"} if number < 4 else {"session_id": f"s{number}"}
+    return Recording(
+        id=f"r{number}",
+        sensor=SENSORS[number % 2],
+        path="x",
+        opened_at=moment(number),
+        recovered=False,
+        **of,
+    )
+
+
+def a_wheel(number):
+    return AxleWheel(
+        pass_id=f"p{number}",
+        place=1,
+        side="left",
+        placing="certain",
+        others={"measurements": []},
+        wheelset="ws-1",
+        jumps={},
+    )
 
 
 def names(call, path, key, **query):

@@ -221,12 +221,12 @@ def test_names_of_no_sensor_leave_nothing_behind(served, call):
     assert not served.app.state.parts.turns._of
 
 
-def test_a_look_needs_the_scope_to_operate(served):
+def test_a_look_needs_the_scope_to_operate_or_to_calibrate(served):
     looks = give(served.captures["left"], 4)
-    for scope, status in ((Scope.READ, 403), (Scope.OPERATE, 200)):
+    for scope, status in ((Scope.READ, 403), (Scope.OPERATE, 200), (Scope.CALIBRATE, 200)):
         with served.client(served.key(scope)) as client:
             assert client.get(PICTURE, params={"source": "look"}).status_code == status
-    assert len(looks) == 1
+    assert len(looks) == 2
 
 
 @pytest.mark.parametrize(

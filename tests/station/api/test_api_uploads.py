@@ -212,10 +212,10 @@ def test_an_upload_that_stops_or_breaks_off_leaves_nothing_and_makes_room_for_th
         f"POST {PLACE} HTTP/1.1\r\nHost: x\r\nContent-Length: 5000\r\n"
         f"Authorization: {call.headers['Authorization']}\r\n\r\n"
     )
-    with socket.create_connection((host, int(port)), timeout=5.0) as connection:
+    with socket.create_connection((host, int(port)), timeout=60.0) as connection:
         connection.sendall(head.encode() + MAGIC)
         assert b" 408 " in connection.recv(1000)
-    with socket.create_connection((host, int(port)), timeout=5.0) as connection:
+    with socket.create_connection((host, int(port)), timeout=60.0) as connection:
         connection.sendall(head.encode() + MAGIC)
     until_s = time.monotonic() + 20.0
     # Until the station has heard that the caller went away, nothing else is taken in.

@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from station.bench import BENCHES, CAPTURE_PARTS, capture_benches, capture_kills
+from station.bench import BENCHES, CAPTURE_PARTS, capture_benches, capture_kills, capture_returns
 from station.bench import capture_bad_files as bad_files
 from station.bench.capture_bad_files import bench_bad_files
 from station.bench.capture_disk import bench_full_disk
@@ -95,7 +95,9 @@ def test_a_file_that_cannot_be_made_whole_is_not_readable(tmp_path):
 
 
 @pytest.mark.parametrize("returns", [1, pytest.param(3, marks=pytest.mark.slow)])
-def test_a_camera_that_returns_is_recorded_again(tmp_path, returns):
+def test_a_camera_that_returns_is_recorded_again(tmp_path, returns, monkeypatch):
+    if returns == 1:  # what is held after the first return is compared with itself
+        monkeypatch.setattr(capture_returns, "_SETTLE_S", 0.0)
     table = bench_returns(silent, tmp_path, returns=returns, sends=SMALL)
     assert_holds(table)
     assert rows_of(table)["gaps in the file's events"]["figure"] == returns

@@ -21,8 +21,8 @@ from station.bench.service.small_sensor import (
     CALIBRATION_ID,
     SENSOR,
     bring_calibration_into_force,
-    exact_calibration,
     render_wheels,
+    true_calibration,
 )
 from station.bench.service.station_process import StationProcess, Victim
 from station.cli.main import build_app, run
@@ -100,7 +100,7 @@ def ground(tmp_path, pictures):
             )
         )
         session.flush()
-        found = measure_sources([path], exact_calibration())
+        found = measure_sources([path], true_calibration())
         add_measurements(session, [_reading(wheel) for wheel in found.wheels])
     yield layout, store
     store.close()

@@ -32,13 +32,12 @@ from station.errors import CameraError, CameraLost, StateConflict
 from station.viewing import Form, SharedPicture, Viewer, ViewOrder
 
 ADDRESS = "127.42.1.1"
-HEARTBEAT_MS = 1500
 
 
 @pytest.fixture(scope="module")
 def shared_sensor(tmp_path_factory):
     """Yield the client of a sensor, and its camera; both are slow to begin."""
-    settings = sensor_at(ADDRESS, features={"GevHeartbeatTimeout": HEARTBEAT_MS})
+    settings = sensor_at(ADDRESS)
     folder = tmp_path_factory.mktemp("run")
     with small_camera(ADDRESS) as camera, capture_of(settings, folder) as (client, _):
         yield client, camera

@@ -4,18 +4,14 @@ import json
 from datetime import timedelta
 
 import pytest
-from fleet_stations import BEGAN, Sending, calibration
-from newest_schema import make_store
+from fleet_stations import BEGAN, calibration, fleet_of_two, night_of
 
 from measure import Alarm
 from station.cli.main import build_app, run
-from station.fleet import Fleet, fleet_trend, migrate_fleet
+from station.fleet import fleet_trend
 from station.store import (
     Actor,
     Calibration,
-    Recalibration,
-    RecalibrationState,
-    Store,
     activate,
     sqlite_url,
 )
@@ -43,50 +39,16 @@ def fleet_command(url, capsys):
 @pytest.fixture
 def stations(tmp_path, url):
     """Two stations that saw the same wheelset; south reads 0.3 mm more."""
-    migrate_fleet(url)
-    fleet = Fleet.open(url)
-    found = []
-    for name in ("north", "south"):
-        make_store(sqlite_url(tmp_path / f"{name}.sqlite"))
-        store = Store.open(sqlite_url(tmp_path / f"{name}.sqlite"))
-        found.append(Sending(store, fleet, name))
-    north, south = found
-    for number in range(6):
-        north.train(number, axles=1, value=30.0)
-    for number in range(3):
-        at = BEGAN + timedelta(days=number, hours=5)
-        south.train(number, axles=1, value=30.3, at=at, alarm=Alarm.ALARM)
-    with south.store.change() as session:
-        other = calibration("d")
-        session.add(other)
-        session.flush()
-        activate(session, other, sensor="left", seen=None, by=Actor("somebody"), at=BEGAN)
-        session.add(night())
-    north.push()
-    south.push()
-    yield north, south
-    for each in found:
-        each.store.close()
-    fleet.close()
-
-
-def night():
-    return Recalibration(
-        id="n",
-        state=RecalibrationState.ASKING,
-        sensor="left",
-        ordered_at=BEGAN,
-        ordered_by="the schedule",
-        job_id="j",
-        findings={},
-        version=1,
-        outcome="drifted",
-        action="ask",
-        alarm=True,
-        present_version=1,
-        figures={"sheet_rms_mm": 0.21, "sheet_largest_mm": 0.4},
-        reasons={"reasons": ["it has moved"]},
-    )
+    with fleet_of_two(tmp_path, url) as (north, south):
+        for number in range(6):
+            north.train(number, axles=1, value=30.0)
+        for number in range(3):
+            at = BEGAN + timedelta(days=number, hours=5)
+            south.train(number, axles=1, value=30.3, at=at, alarm=Alarm.ALARM)
+        night_of(south)
+        north.push()
+        south.push()
+        yield north, south
 
 
 def test_init_makes_the_tables_and_a_second_time_changes_nothing(fleet_command):

@@ -8,7 +8,15 @@ from fleet_stations import NEVER, Sending, counts
 from newest_schema import make_store
 
 from station.errors import StoreUnusable
-from station.fleet import Fleet, Follower, Pushed, follow_fleet, migrate_fleet, read_note
+from station.fleet import (
+    Fleet,
+    FleetPlaces,
+    Follower,
+    Pushed,
+    follow_fleet,
+    migrate_fleet,
+    read_note,
+)
 from station.operations import DataLayout
 from station.settings import FleetSettings, SensorSettings, StationSettings
 from station.store import Store, sqlite_url
@@ -92,11 +100,13 @@ class Following:
     def __init__(self, settings, url):
         self.settings = settings
         self.fleet = settings.fleet.model_copy(update={"url": url})
+        layout = DataLayout.of(settings)
+        self.places = FleetPlaces(layout.store_url, layout.root, layout.processes_lock)
 
     def __enter__(self):
         self.stop = threading.Event()
         self.thread = threading.Thread(
-            target=follow_fleet, args=(self.settings, self.fleet, self.stop)
+            target=follow_fleet, args=(self.settings, self.fleet, self.places, self.stop)
         )
         self.thread.start()
         return self

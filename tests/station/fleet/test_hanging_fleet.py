@@ -104,7 +104,7 @@ def begin_and_hang(fleet, hurry):
 
 
 class Waiting:
-    """Who waits for the fleet in a thread, and how long it takes to end once told to."""
+    """Who waits for the fleet in a thread, and what is said when it ends."""
 
     def __init__(self, wait, stop):
         self.stop = stop
@@ -118,13 +118,11 @@ class Waiting:
         except StoreUnusable as error:
             self.error = str(error)
 
-    def ended_after_s(self):
+    def stopped(self):
         assert self._thread.is_alive()
-        began = time.monotonic()
         self.stop.set()
         self._thread.join(PATIENCE_S)
         assert not self._thread.is_alive()
-        return time.monotonic() - began
 
 
 def test_told_to_stop_it_does_not_wait_for_a_server_that_stands_still(north, postgres, url):
@@ -133,9 +131,8 @@ def test_told_to_stop_it_does_not_wait_for_a_server_that_stands_still(north, pos
     north.push(fleet)
     with standing_still(postgres, fleet):
         pushing = Waiting(lambda: north.push(fleet, stop), stop)
-        # A minute and more it would wait: the statement's time and the grace.
-        assert pushing.ended_after_s() < 15.0
-    assert "told to stop" in pushing.error
+        pushing.stopped()
+    assert "told to stop" in pushing.error  # and not after a minute: "no answer within 65 s"
     fleet.close()
 
 
@@ -170,8 +167,7 @@ def test_told_to_stop_it_does_not_wait_for_a_connection_either():
         stop = threading.Event()
         asking = Waiting(lambda: ensure_ready(url, stop=stop), stop)
         assert came.wait(PATIENCE_S)
-        # It would wait for 5 s; a busy machine has three of them to notice.
-        assert asking.ended_after_s() < 3.0
+        asking.stopped()
     assert "told to stop" in asking.error
 
 

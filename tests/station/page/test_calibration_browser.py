@@ -2,6 +2,7 @@
 
 import re
 from contextlib import contextmanager
+from datetime import UTC, datetime
 
 import pytest
 from demo_station_browser import logged_in as log_in
@@ -9,6 +10,21 @@ from demo_station_quiet import LIVE_PICTURES, LIVE_SESSION
 from demo_station_serving import served_quietly
 from demo_station_truth import RIGHT
 from playwright.sync_api import expect
+
+from station.store import (
+    Calibration,
+    CalibrationState,
+    Job,
+    JobKind,
+    JobState,
+    Store,
+    add_job,
+    end,
+    report_progress,
+    sqlite_url,
+    start,
+    the,
+)
 
 WIDE, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
 FIRST_VIEW_BYTES = 150_000
@@ -118,3 +134,67 @@ def test_a_session_is_opened_by_the_form(page, own):
     page.wait_for_url("**/calibration/sessions/by-form")
     expect(page.locator("#guided .do")).to_be_visible()
     expect(page.locator("#guided")).to_contain_text("No picture yet.")
+
+
+def solving(own, name):
+    """Have a calibration be solved, by a worker that is not there."""
+    at = datetime.now(UTC)
+    with own_store(own) as store, store.change() as session:
+        start(add_job(session, f"job-{name}", JobKind.CALIBRATE, name, at=at), at=at)
+        session.add(
+            Calibration(
+                id=name,
+                state=CalibrationState.SOLVING,
+                sensor=RIGHT,
+                target="dots:6x7:24",
+                method="joint",
+                recording_ids={"recordings": [], "laser_off": []},
+                created_at=at,
+                job_id=f"job-{name}",
+            )
+        )
+
+
+@contextmanager
+def own_store(own):
+    store = Store.open(sqlite_url(own.folder / "data" / "station.sqlite"))
+    yield store
+    store.close()
+
+
+def progress(own, name, part, doing):
+    with own_store(own) as store, store.change() as session:
+        report_progress(session, f"job-{name}", part, doing)
+
+
+def failed(own, name):
+    at = datetime.now(UTC)
+    with own_store(own) as store, store.change() as session:
+        row = the(session, Calibration, name)
+        row.state, row.reason = CalibrationState.FAILED, "the light was out"
+        end(the(session, Job, f"job-{name}"), JobState.FAILED, at=at, error="the light was out")
+
+
+@pytest.mark.parametrize("refused", [False, True], ids=["streamed", "asked for"])
+def test_a_solve_is_followed_until_it_ends(page, own, axe, refused, expected_failures):
+    name, asked = f"solving-{refused}".lower(), []
+    solving(own, name)
+    if refused:
+        expected_failures.append("503")
+        page.route("**/v1/jobs/*/events", lambda route: route.fulfill(status=503))
+    log_in(page, own, "read")
+    page.on(
+        "request", lambda each: asked.append(each.url) if each.url.endswith("/solving") else None
+    )
+    page.goto(f"{own.url}/calibrations/{name}")
+    expect(page.locator("#solving progress")).to_be_visible()
+    axe(page)
+    for part, doing in ((0.25, "picture 3 of 12"), (0.75, "solving")):
+        progress(own, name, part, doing)
+        expect(page.locator("#solving .hint")).to_have_text(
+            f"{part:.0%}"[:-1] + f"\u202f% · {doing}"
+        )
+    assert bool(asked) == refused  # what is streamed is not asked for besides
+    failed(own, name)
+    expect(page.get_by_role("alert")).to_contain_text("the light was out")
+    expect(page.locator("#solving")).to_have_count(0)

@@ -7,7 +7,7 @@ import httpx
 import pytest
 from demo_station_quiet import LIVE_PICTURES, LIVE_SESSION
 from demo_station_serving import served_quietly
-from demo_station_truth import RIGHT
+from demo_station_truth import INNER, OUTER, RIGHT
 
 MARKUP = "<img src=x onerror=alert(1)>"
 
@@ -77,6 +77,36 @@ def test_figures_and_points_of_a_report_are_told(reader, calibrations):
     shown = f"/v1/recordings/{frame['recording']}/frames/{frame['number']}/picture?max_width=320"
     assert reader.get(shown).raise_for_status().content.startswith(b"\x89PNG")
     assert reader.get(f"{address}/pictures/999").status_code == 404
+
+
+def test_shifts_of_readings_are_told_and_none_of_what_is_in_force(reader, calibrations):
+    told = (
+        reader.get(f"/v1/calibrations/{calibrations['right-1']}/shifts").raise_for_status().json()
+    )
+    assert {each["quantity"] for each in told["shifts"]} >= {"flange_height", "flange_thickness_10"}
+    assert told["within"] == all(each["within"] for each in told["shifts"])
+    assert told["reason"] is None
+    wheel = reader.get(f"/v1/measurements/{told['measurement']}").raise_for_status().json()
+    stated = {each["quantity"]: each["reading_u95_mm"] for each in told["shifts"]}
+    assert stated["flange_height"] == wheel["wheel"]["flange_height"]["u95"]
+    present = reader.get(f"/v1/calibrations/{told['against']}/shifts").raise_for_status().json()
+    assert (present["against"], present["shifts"], present["within"]) == (None, [], None)
+    assert "nothing else is in force" in present["reason"]
+
+
+def test_each_sensor_of_a_rig_has_its_figures_and_its_points(reader, calibrations):
+    address = f"/rig-calibrations/{calibrations['rig']}"
+    for sensor in (INNER, OUTER):
+        figures = reader.get(f"{address}/sensors/{sensor}/figures").raise_for_status().json()
+        picture = reader.get(f"{address}/sensors/{sensor}/pictures/0").raise_for_status().json()
+        assert picture["name"] == figures["pictures"][0]["name"]
+        assert picture["frame"]["recording"].endswith(sensor)
+        points = reader.get(f"/v1{address}/points/{sensor}").raise_for_status().text
+        assert points.startswith("image,kind,row,col,u,v")
+        assert picture["name"] in points
+    assert reader.get(f"{address}/sensors/{INNER}/pictures/999").status_code == 404
+    assert reader.get(f"{address}/sensors/{RIGHT}/figures").status_code == 404
+    assert f"/sensors/{OUTER}/figures" in reader.get(address).text
 
 
 def test_what_failed_has_its_reason_and_no_figures(reader):

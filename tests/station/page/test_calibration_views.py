@@ -6,20 +6,31 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from demo_station_truth import RIGHT
+from demo_station_truth import HEIGHT_PX, INNER, OUTER, RIGHT, WIDTH_PX
 
 from calib import Target
-from station.documents import CalibrationDocument
+from station.documents import CalibrationDocument, RigDocument
+from station.documents.points import POINT_COLUMNS
 from station.errors import InputUnusable
 from station.operations import FramePlace
-from station.page.calibration.figures import comparison_of, figures_of, picture_of
+from station.page.calibration.figures import comparison_of, figures_of, size_of
 from station.page.calibration.history import drift_of, history_of
 from station.page.calibration.made import made
 from station.page.calibration.opening import TargetForm, order_of, suggested_name
 from station.page.calibration.overview import overview_of
+from station.page.calibration.pictures import picture_of, pictures_drawn
 from station.page.calibration.report import report_of
+from station.page.calibration.rig_pictures import SolvedOnRig, sensors_with_points
+from station.report import evidence_of
 from station.settings import load_settings
-from station.store import Calibration, CalibrationPoints, Store, active
+from station.store import (
+    Calibration,
+    CalibrationPoints,
+    RigCalibration,
+    RigCalibrationPoints,
+    Store,
+    active,
+)
 
 
 @pytest.fixture(scope="module")
@@ -79,15 +90,43 @@ def test_a_picture_has_its_frame_and_its_points(first):
         for at, each in enumerate(figures_of(document, points, None)["pictures"])
         if each["name"] == name
     )
-    told = picture_of(document, points, place, {name: FramePlace("session.x.right", 3)})
+    size_px, frames = size_of(document), {name: FramePlace("session.x.right", 3)}
+    told = picture_of(document, size_px, points, place, frames)
     assert told["frame"] == {"recording": "session.x.right", "number": 3}
     dots = told["dots"]
     deviation = np.array(dots["seen_px"]) - np.array(dots["corrected_px"])
     assert np.sqrt((deviation**2).sum(axis=1).mean()) == pytest.approx(
         told["dots_rms_px"], abs=2e-3
     )
-    assert picture_of(document, points, 10_000, {}) is None
-    assert picture_of(document, points, place, {})["frame"] is None
+    assert picture_of(document, size_px, points, 10_000, {}) is None
+    assert picture_of(document, size_px, points, place, {})["frame"] is None
+
+
+def test_a_rig_keeps_the_points_of_each_sensor_and_their_residuals_are_the_rigs(store, demo_data):
+    name = demo_data.told.calibrations["rig"]
+    with store.look() as session:
+        document = RigDocument.model_validate_json(session.get(RigCalibration, name).document)
+        assert sensors_with_points(session, name) == [INNER, OUTER]
+        texts = [session.get(RigCalibrationPoints, (name, each)).csv for each in (INNER, OUTER)]
+    pictures = [evidence_of(text) for text in texts]
+    squares = [SolvedOnRig.of(each).rms.dots_px ** 2 for each in pictures]
+    counts = [sum(int(one.dots.used.sum()) for one in each) for each in pictures]
+    # The square of all is the mean of each sensor's, by its dots.
+    both_px = math.sqrt(np.average(squares, weights=counts))
+    assert both_px == pytest.approx(document.rms.dots_px, rel=1e-3)
+    drawn = pictures_drawn(SolvedOnRig.of(pictures[0]), pictures[0], (WIDTH_PX, HEIGHT_PX))
+    assert json.loads(json.dumps(drawn, allow_nan=False)) == drawn
+    assert {each["distance_mm"] for each in drawn["pictures"]} == {None}  # no pose is kept
+
+
+def test_a_picture_that_a_rig_left_out_says_why():
+    row = "a.mcap#1,dot,0,{},1,1,0.1,0.1,,,0,no board,0.2\n"
+    text = f"{','.join(POINT_COLUMNS)}\n{row.format(0)}{row.format(1)}"
+    (drawn,) = pictures_drawn(SolvedOnRig.of(evidence_of(text)), evidence_of(text), (8, 8))[
+        "pictures"
+    ]
+    assert drawn["left_out"] == "no board"
+    assert drawn["dots_rms_px"] is None
 
 
 def test_a_calibration_does_not_differ_from_itself_and_another_camera_is_no_match(first):

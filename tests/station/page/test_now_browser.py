@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import pytest
 from demo_station_browser import logged_in as log_in
+from demo_station_quiet import LIVE_PICTURES, LIVE_SESSION
 from demo_station_serving import SENSORS
 
 MARKUP = "<img src=x onerror=alert(1)>"
@@ -138,6 +139,44 @@ def _finish(page, pass_id, *, axles):
     page.get_by_role("button", name="Arm all sensors").wait_for()
 
 
+def test_what_a_button_did_is_said_though_its_part_was_loaded_anew_before_the_answer(
+    page, served_demo
+):
+    log_in(page, served_demo, "operate")
+    _arm(page, "now-slow")
+    held = []
+    page.route("**/now/finish", lambda route: held.append((route, route.fetch())))
+    page.once("dialog", lambda dialog: dialog.accept())
+    page.get_by_label("Axles counted").fill("0")
+    page.get_by_role("button", name="Finish the pass").click()
+    # Every second the page asks what the station does, and so knows that the pass has ended.
+    page.get_by_role("button", name="Arm all sensors").wait_for()
+    ((route, answer),) = held
+    route.fulfill(response=answer)
+    page.get_by_text("Pass now-slow has ended").wait_for()
+
+
+def test_a_camera_that_goes_away_is_said_in_words_and_comes_back_by_itself(page, served_demo, axe):
+    log_in(page, served_demo, "read")
+    outer = page.locator("article.sensor").filter(has_text="left-outer")
+    outer.locator("img").wait_for()
+    outer.get_by_text("Idle", exact=True).wait_for()
+    camera = served_demo.cameras.by_sensor["left-outer"]
+    camera.kill()
+    try:
+        outer.get_by_text("Camera away", exact=True).wait_for()
+        outer.get_by_text("check its power and cable").or_(
+            outer.get_by_text("no camera answers")
+        ).first.wait_for()
+        page.locator("#now-troubles strong").get_by_text("sensor left-outer").wait_for()
+        page.get_by_text("Not ready: the next train").wait_for()
+        axe(page)
+    finally:
+        camera.start()
+    outer.get_by_text("Idle", exact=True).wait_for()
+    page.get_by_text("Ready for the next train").wait_for()
+
+
 def test_who_may_look_sees_it_in_the_dark_on_a_tablet(page, served_demo, axe):
     page.set_viewport_size(TABLET)
     page.emulate_media(color_scheme="dark")
@@ -162,6 +201,27 @@ def _focus_stays_where_it_is_while_parts_are_loaded_anew(page):
     # Answered is not yet swapped: the next answer comes after that.
     page.wait_for_event("response", lambda answer: "/now/live" in answer.url)
     assert page.evaluate("document.activeElement.id") == "now-last-link"
+
+
+def test_who_takes_calibration_pictures_sees_what_the_camera_sees_meanwhile(page, quiet_demo, axe):
+    page.set_viewport_size(TABLET)
+    log_in(page, quiet_demo, "calibrate")
+    page.goto(f"{quiet_demo.url}/calibration/sessions/{LIVE_SESSION}")
+    for _ in range(3):  # nobody has to press anything
+        page.wait_for_event("response", lambda answer: "source=look" in answer.url and answer.ok)
+    right = figure(page, "right")
+    right.get_by_text("Now; not recorded").wait_for()
+    assert "stripe of" in right.locator("img").get_attribute("alt")
+    axe(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= TABLET["width"]
+    session = quiet_demo.ask(f"/v1/calibration-sessions/{LIVE_SESSION}").json()
+    assert session["pictures"] == LIVE_PICTURES  # no look is among them
+
+
+def test_who_may_only_read_has_no_camera_take_pictures_in_a_session(quiet_demo):
+    address = f"/calibration/sessions/{LIVE_SESSION}"
+    assert 'id="aim"' not in quiet_demo.ask(address).text
+    assert 'id="aim"' in quiet_demo.ask(address, "operate").text
 
 
 def test_a_page_that_nobody_sees_asks_for_nothing(page, served_demo):

@@ -17,7 +17,7 @@ from station.serve.supervisor import _run
 def manager_socket(tmp_path):
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listening:
         listening.bind(str(tmp_path / "notify"))
-        listening.settimeout(10.0)
+        listening.settimeout(60.0)
         yield listening
 
 
@@ -44,7 +44,7 @@ def test_an_abstract_address_is_understood():
     name = f"\0treadline-test-{os.getpid()}"
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listening:
         listening.bind(name)
-        listening.settimeout(10.0)
+        listening.settimeout(60.0)
         ServiceManager.of({"NOTIFY_SOCKET": f"@{name[1:]}"}).tell_ready()
         assert told(listening) == ["READY=1"]
 

@@ -102,7 +102,7 @@ class Receiver:
         return frames
 
 
-def wait_until(condition, timeout_s=5.0):
+def wait_until(condition, timeout_s=30.0):
     """Return whether `condition` becomes true in time."""
     until_s = time.monotonic() + timeout_s
     while time.monotonic() < until_s:

@@ -215,7 +215,7 @@ def test_a_simulation_of_a_recording_ends_once_it_was_received(recording):
             assert len(receiver.take(len(IDS))) == len(IDS)
         receiver.close()
         try:
-            out, _ = process.communicate(timeout=10)
+            out, _ = process.communicate(timeout=60)
         finally:
             process.send_signal(signal.SIGKILL)
     assert process.returncode == 0

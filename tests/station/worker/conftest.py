@@ -3,6 +3,7 @@ from newest_schema import make_store
 from worker_double import a_calibration_document, a_rig_document
 
 from station.operations import DataLayout, utc_now
+from station.pipeline import gauge, rig_gauge
 from station.settings import StationSettings
 from station.store import (
     Calibration,
@@ -145,3 +146,15 @@ def ground(tmp_path):
     ground = Ground(tmp_path)
     yield ground
     ground.store.close()
+
+
+@pytest.fixture
+def located(monkeypatch):
+    """Count how often a stripe is looked for."""
+    count = []
+    for module in (gauge, rig_gauge):
+        locate = module.locate_wheel_stripe
+        monkeypatch.setattr(
+            module, "locate_wheel_stripe", lambda p, found=locate: count.append(1) or found(p)
+        )
+    return count

@@ -21,9 +21,9 @@ PATIENCE_S = 60.0
 BY_ITSELF = {"drifted": "activate", "confirmations": 1, "measure_again": True}
 
 
-def run(settings, trace, step_s):
+def run(settings, trace, stays_at):
     log_as("worker")
-    mathematics = PointsMathematics(trace, step_s=step_s)
+    mathematics = PointsMathematics(trace, step_s=0.0, stays_at=stays_at)
     work(settings, mathematics.parts, stop=threading.Event())
 
 
@@ -32,9 +32,9 @@ class Worker:
         self._shop = shop
         self.process = None
 
-    def start(self, step_s):
+    def start(self, stays_at=()):
         self.process = multiprocessing.get_context("spawn").Process(
-            target=run, args=(self._shop.station_settings, self._shop.trace, step_s)
+            target=run, args=(self._shop.station_settings, self._shop.trace, stays_at)
         )
         self.process.start()
 
@@ -85,19 +85,19 @@ def test_worker_killed_while_solving_and_while_measuring_again_ends_all_of_it_on
     shop.passed("p")
     shop.session(sensor=turned(paper_sensor(), 1e-3))
     job = shop.order()
-    worker.start(step_s=0.3)
+    worker.start(stays_at=["begin calibrate left"])
     worker.wait(lambda: "begin calibrate left" in worker.did, "solving begun")
     worker.kill()
     assert "end calibrate left" not in worker.did
     assert shop.found().state == "running"
 
-    worker.start(step_s=0.3)
+    worker.start(stays_at=["begin measure p"])
     worker.wait(lambda: "begin measure p" in worker.did, "measuring again begun")
     assert worker.ended(job)
     worker.kill()
     assert "end measure p" not in worker.did
 
-    worker.start(step_s=0.0)
+    worker.start()
     worker.wait(lambda: worker.ended("again-r1"), "measured again")
     # What was solved stays solved; what was cut is done again.
     assert worker.did.count("begin calibrate left") == 2
@@ -125,7 +125,7 @@ def test_worker_orders_what_its_schedule_owes(shop, worker):
             each.activated_at = each.activated_at.replace(year=each.activated_at.year - 1)
     due = shop.now.time().replace(hour=0, minute=0, second=0, microsecond=0)
     shop.settings = RecalibrationSettings(at=due)
-    worker.start(step_s=0.0)
+    worker.start()
     worker.wait(lambda: all_of(shop, Recalibration), "ordered")
     (row,) = all_of(shop, Recalibration)
     worker.wait(lambda: worker.ended(row.job_id), "done")

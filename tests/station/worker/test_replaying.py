@@ -276,7 +276,7 @@ def test_a_worker_killed_in_a_replay_goes_on_with_it_and_doubles_nothing(
         session.delete(the(session, Job, measured))  # the replay alone is to be seen
     own = {"left": "of-left", "right": "of-right"}
     view = order(station, pass_id="p1", calibrations=own)
-    workers.start(step_s=0.3)
+    workers.start(stays_at=["begin measure right"])
     workers.wait(lambda: "begin measure right" in workers.did, "the second recording begun")
     workers.kill()
     assert "end measure right" not in workers.did

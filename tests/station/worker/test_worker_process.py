@@ -25,9 +25,9 @@ class Workers:
         self._trace = trace
         self.process = None
 
-    def start(self, step_s=0.02):
+    def start(self, step_s=0.02, stays_at=()):
         self.process = multiprocessing.get_context("spawn").Process(
-            target=run_double, args=(self._ground.settings, self._trace, step_s)
+            target=run_double, args=(self._ground.settings, self._trace, step_s, stays_at)
         )
         self.process.start()
 
@@ -67,8 +67,8 @@ def test_a_worker_killed_in_the_middle_of_two_jobs_ends_each_once(ground, worker
     measuring = ground.order_measuring("p1", sensors=("inner", "outer", "right"), rig=rig)
     ground.take_off_rig("p1", "right")
     solving = ground.order_calibration("c1")
-    workers.start(step_s=0.3)
     half = {"end measure rig wheel", "begin measure right", "begin calibrate left"}
+    workers.start(stays_at=[line for line in half if line.startswith("begin")])
     workers.wait(lambda: half <= set(workers.did), "the recording after the rig's begun")
     assert is_held(ground.layout.worker_lock)
     workers.kill()

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Collection
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -69,10 +70,21 @@ def a_rig_document(rig, sensors):
 
 
 class SlowMathematics:
-    """Takes `steps` steps of `step_s` for a job, and writes a line at its begin and its end."""
+    """Takes `steps` steps of `step_s` for a job, and writes a line at its begin and its end.
 
-    def __init__(self, trace: Path, *, step_s: float = 0.05, steps: int = WHEELS) -> None:
+    After a line of `stays_at` it stays where it is, until somebody kills the process.
+    """
+
+    def __init__(
+        self,
+        trace: Path,
+        *,
+        step_s: float = 0.05,
+        steps: int = WHEELS,
+        stays_at: Collection[str] = (),
+    ) -> None:
         self._trace = trace
+        self._stays_at = frozenset(stays_at)
         self._step_s = step_s
         self._steps = steps
 
@@ -84,7 +96,7 @@ class SlowMathematics:
         self._note(f"end calibrate {sensor}")
         return CalibrationOutcome(a_calibration_document(sensor), "image,kind\n", ())
 
-    def measure(self, sources, calibration, *, reference, limits, progress, since=None):
+    def measure(self, sources, calibration, *, reference, limits, progress, since=None, cores=None):
         (source,) = sources
         self._note(f"begin measure {source.stem}")
         self._work(progress)
@@ -149,11 +161,13 @@ class SlowMathematics:
     def _note(self, line):
         with self._trace.open("a") as stream:
             stream.write(line + "\n")
+        if line in self._stays_at:
+            threading.Event().wait()
 
 
-def run_double(settings, trace, step_s):
+def run_double(settings, trace, step_s, stays_at=()):
     """Be the worker process."""
     log_as("worker")
-    mathematics = SlowMathematics(trace, step_s=step_s)
+    mathematics = SlowMathematics(trace, step_s=step_s, stays_at=stays_at)
     stop = threading.Event()
     work(settings, mathematics.parts, stop=stop)

@@ -10,8 +10,9 @@ export class SensorOfPage {
     return this.#state.doing;
   }
 
+  // Idle, or held by a calibration session, between whose pictures there is time.
   get lookable() {
-    return this.doing === "idle";
+    return this.doing === "idle" || "held" in this.#state;
   }
 
   // One that has recorded nothing yet is not asked for its last picture.

@@ -19,7 +19,7 @@ export class SensorView {
   #sensor;
   #state;
   #tag = null;
-  #inView = true;
+  #inView = false;
   #looking = false;
   #bestWidth = null;
   #seen = null;
@@ -34,9 +34,14 @@ export class SensorView {
     this.#state = state;
   }
 
+  // Told first whether it is in view: of many sensors only those on the screen are asked.
   begin() {
-    new IntersectionObserver((entries) => { this.#inView = entries.at(-1).isIntersecting; }).observe(this.#figure);
-    this.#turn();
+    let begun = false;
+    new IntersectionObserver((entries) => {
+      this.#inView = entries.at(-1).isIntersecting;
+      if (!begun) this.#turn();
+      begun = true;
+    }).observe(this.#figure);
   }
 
   get looking() {
