@@ -162,8 +162,13 @@ class PointsAnswer:
     @property
     def rms_px(self) -> float:
         """Root mean square of the used deviations; 0 where none is used."""
-        used = self.deviation_px[self.used]
-        return float(np.sqrt(np.mean(used**2))) if len(used) else 0.0
+        return rms_px([self])
+
+
+def rms_px(parts: Sequence[PointsAnswer]) -> float:
+    """Return the root mean square of all used deviations; 0 where none is used."""
+    used = np.concatenate([part.deviation_px[part.used] for part in parts])
+    return float(np.sqrt(np.mean(used**2))) if len(used) else 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

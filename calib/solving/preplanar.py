@@ -142,11 +142,11 @@ def consensus(points_mm: FloatArray) -> BoolArray:
     first, second, third = np.moveaxis(points_mm[np.argpartition(draws, 2, axis=1)[:, :3]], 1, 0)
     normals = np.cross(second - first, third - first)
     length = np.linalg.norm(normals, axis=1)
-    sound = length > 1e-9 * length.max()
+    sound = length > _LEAST_SPREAD * length.max()
     normals = normals[sound] / length[sound, None]
     distance = np.abs(points_mm @ normals.T - np.einsum("ij,ij->i", normals, first[sound]))
     best = distance[:, np.argmin(np.median(distance, axis=0))]
-    return np.asarray(best <= _KEEP * np.median(best) / 0.6745 + 1e-9)
+    return np.asarray(best <= robust_limit(best, _KEEP) + _ROUNDING_MM)
 
 
 def _residuals(
@@ -199,7 +199,7 @@ def _plane_by_camera(
     sigma = np.sqrt(np.diag(prepared.camera.covariance))
     jacobian = np.zeros((4, len(sigma)))
     for index in np.flatnonzero(sigma > 0.0):
-        step = 0.1 * sigma[index]
+        step = _STEP_SIGMAS * sigma[index]
         ends = []
         for sign in (1.0, -1.0):
             parameters = prepared.camera.parameters

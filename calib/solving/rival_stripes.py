@@ -83,7 +83,7 @@ def settle_stripes(
         key=lambda each: float(each[lines.best(each)].sum()),
     )
     nearest = lines.best(misses)
-    limit = _AGREE * float(np.median(misses[nearest])) / 0.6745
+    limit = robust_limit(misses[nearest], _AGREE)
     settled = list(views)
     for line in nearest[(misses[nearest] <= limit) & (lines.choice[nearest] > 0)]:
         index = int(lines.view[line])

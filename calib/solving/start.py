@@ -201,7 +201,7 @@ def start_plane(stripes_mm: FloatArray, covariance_mm2: FloatArray) -> StartPlan
     planes = [fit_plane(stripes_mm[pair].reshape(-1, 3)) for pair in pairs]
     misses = np.array([_misses(stripes_mm, plane) for plane in planes])
     best = misses[np.argmin(misses.sum(axis=1))]
-    agreeing = best <= 4.0 * np.median(best) / 0.6745 + 1e-9
+    agreeing = best <= robust_limit(best, _AGREEING) + _ROUNDING_MM
     _refuse_one_line(stripes_mm[agreeing], covariance_mm2[agreeing])
     plane = LightPlane.from_coefficients(fit_plane(stripes_mm[agreeing].reshape(-1, 3)))
     return StartPlane(plane, agreeing)

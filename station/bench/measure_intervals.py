@@ -8,10 +8,10 @@ import numpy as np
 
 from calib import CameraModel, FloatArray, LaserSensor, LightPlane, RigidTransform, calibrate
 from measure import OF_A_PROFILE, Mounting, Quantity, WheelFrame, measure_wheel, reference_profile
+from station.bench.drawing import ON_ALL_CORES, Drawing
 from station.bench.lights import TARGET, observe_light
 from station.bench.wheel_stripes import PlacedWheel, StripeNoise
 from station.bench.wheel_truths import errors_and_u95
-from station.pipeline import map_on_all_cores
 from station.progress import Progress
 from station.scenes import Light, WheelTruth, paper_sensor, trackside_mounting
 from station.tables import Table, Value
@@ -38,6 +38,7 @@ def bench_intervals(
     *,
     draws: Mapping[int, int] = MappingProxyType({1: 800, 5: 400}),
     seed: int = 1,
+    drawing: Drawing = ON_ALL_CORES,
 ) -> Table:
     """Draw everything a reading may be wrong by, as it is said to be, and count.
 
@@ -49,6 +50,8 @@ def bench_intervals(
         How many wheels, by the number of pictures of each, which are 20 mm apart.
     seed
         Of all draws.
+    drawing
+        Who does the draws.
     """
     covariance = calibrated_covariance(seed)
     rows: list[dict[str, Value]] = []
@@ -56,9 +59,7 @@ def bench_intervals(
     for part, (count, wheels) in enumerate(draws.items()):
         progress(part / len(draws), f"{count} pictures a wheel")
         tasks = [_Pass(covariance, count, (seed, count, n)) for n in range(wheels)]
-        answers = map_on_all_cores(
-            _errors_and_u95, tasks, count=wheels, seconds_each=_MEASURE_S * count
-        )
+        answers = drawing.map(_errors_and_u95, tasks, seconds_each=_MEASURE_S * count)
         drawn = np.array(list(answers))
         unmeasured += int(np.isnan(drawn[:, :, 0]).all(axis=1).sum())
         rows += [

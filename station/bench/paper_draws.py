@@ -1,34 +1,28 @@
-"""Is what a calibration says of its own uncertainty true: the paper's simulation drawn many times.
-
-A task is a few draws, and each draw has a seed of its own: the figures are the same whoever does
-them, and however many.
-"""
+"""Is what a calibration says of its own uncertainty true: the paper's simulation drawn many times."""
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 import numpy as np
 
 from calib import CalibError, FloatArray, Method, calibrate
+from station.bench.drawing import ON_ALL_CORES, Drawing
 from station.bench.simulation import HEIGHT_PX, SENSOR, TARGET, WIDTH_PX, Noise, Simulation
-from station.errors import StationError
 from station.progress import Progress
-from station.replay import Crew, Failed, Here, workers_at
 from station.tables import Table, Value
 
 _NOISE = Noise(dots_px=0.1, stripe_px=0.1)
-_DRAWS_EACH = 5
+_DRAW_S = 0.5
 _U95 = 1.96
 
 
 @dataclass(frozen=True, slots=True)
-class _Task:
-    """Draws that are done in one go."""
+class _Draw:
+    """One draw of the noise."""
 
     seed: int
     poses: int
-    numbers: tuple[int, ...]
+    number: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,10 +38,10 @@ class _Drawn:
 def bench_paper_draws(
     progress: Progress,
     *,
-    cluster: str | None = None,
     draws: int = 200,
     poses: int = 10,
     seed: int = 1,
+    drawing: Drawing = ON_ALL_CORES,
 ) -> Table:
     """Calibrate the paper's simulation with other noise each time, by every method.
 
@@ -55,46 +49,21 @@ def bench_paper_draws(
     ----------
     progress
         Told where the bench is.
-    cluster
-        Address of a Dask scheduler whose workers do it; this process where not given.
     draws
         Of the noise.
     poses
         Of the target, the same in all draws.
     seed
         Of poses and noise.
-
-    Raises
-    ------
-    InputUnusable
-        If the cluster cannot be used.
+    drawing
+        Who does the draws.
     """
-    crew: AbstractContextManager[Crew]
-    crew = nullcontext(Here()) if cluster is None else workers_at(cluster)
-    with crew as those:
-        return draws_by(those, progress, draws=draws, poses=poses, seed=seed)
-
-
-def draws_by(crew: Crew, progress: Progress, *, draws: int, poses: int, seed: int) -> Table:
-    """Do the same with a crew that is there already.
-
-    Raises
-    ------
-    StationError
-        If a draw could not be done.
-    """
-    numbers = range(draws)
-    tasks = [
-        _Task(seed, poses, tuple(numbers[at : at + _DRAWS_EACH]))
-        for at in range(0, draws, _DRAWS_EACH)
-    ]
+    tasks = [_Draw(seed, poses, number) for number in range(draws)]
     found: list[_Drawn] = []
-    for done, answer in enumerate(crew.each(_draw, tasks), start=1):
-        if isinstance(answer, Failed):
-            raise StationError(f"draws {answer.task.numbers} could not be done: {answer.why}")
-        found += answer.result
-        progress(done / len(tasks), f"draw {len(found) // len(Method)} of {draws}")
-    found.sort(key=lambda one: one.number)
+    for drawn in drawing.map(_drawn, tasks, seconds_each=_DRAW_S):
+        found += drawn
+        done = len(found) // len(Method)
+        progress(done / draws, f"draw {done} of {draws}")
     rows = [_row(method, [one for one in found if one.method is method]) for method in Method]
     notes = (
         f"{draws} draws of {_NOISE.dots_px:g} px noise on every dot and stripe point, {poses} "
@@ -104,13 +73,9 @@ def draws_by(crew: Crew, progress: Progress, *, draws: int, poses: int, seed: in
     return Table("Scatter of the light plane, and what calibrations tell of it", rows, notes)
 
 
-def _draw(task: _Task) -> list[_Drawn]:
-    simulation = Simulation.drawn(task.poses, task.seed)
-    return [
-        _solved(simulation, method, task.seed, number)
-        for number in task.numbers
-        for method in Method
-    ]
+def _drawn(draw: _Draw) -> list[_Drawn]:
+    simulation = Simulation.drawn(draw.poses, draw.seed)
+    return [_solved(simulation, method, draw.seed, draw.number) for method in Method]
 
 
 def _solved(simulation: Simulation, method: Method, seed: int, number: int) -> _Drawn:

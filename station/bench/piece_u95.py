@@ -1,15 +1,15 @@
 """Whether the uncertainties of a reference piece's dimensions are true, over drawn sensors."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from calib import CameraModel, FloatArray, LaserSensor, LightPlane
 from measure import judge_piece
+from station.bench.drawing import ON_ALL_CORES, Drawing
 from station.bench.piece_drifts import profile_piece
 from station.bench.piece_stripes import Held, calibrated_sensor, simulated_stripe
-from station.pipeline import map_on_all_cores
 from station.progress import Progress
 from station.tables import Table, Value
 
@@ -20,7 +20,12 @@ _JUDGE_S = 0.3
 
 
 def bench_piece_u95(
-    progress: Progress, *, pictures: int = 20, runs: int = 240, seed: int = 1
+    progress: Progress,
+    *,
+    pictures: int = 20,
+    runs: int = 240,
+    seed: int = 1,
+    drawing: Drawing = ON_ALL_CORES,
 ) -> Table:
     """Hold the uncertainties of a piece's dimensions against their scatter over drawn sensors.
 
@@ -34,6 +39,8 @@ def bench_piece_u95(
         Sensors drawn from the covariance.
     seed
         Of sensors, placements and noise.
+    drawing
+        Who does the draws.
     """
     progress(0.0, "calibrating")
     calibrated = calibrated_sensor(pictures, seed)
@@ -42,11 +49,8 @@ def bench_piece_u95(
         for noise, doubt in _CASES
         for run in range(runs)
     ]
-    answers: Iterator[_Deviations] = map_on_all_cores(
-        _drawn, tasks, count=len(tasks), seconds_each=_JUDGE_S
-    )
     seen: list[_Deviations] = []
-    for answer in answers:
+    for answer in drawing.map(_drawn, tasks, seconds_each=_JUDGE_S):
         seen.append(answer)
         progress(len(seen) / len(tasks), f"sensor {len(seen)} of {len(tasks)}")
     rows = [

@@ -1,14 +1,13 @@
 """How far above the bound each method stays at 5 px of dot noise, over many sets of poses."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from calib import Method
+from station.bench.drawing import ON_ALL_CORES, Drawing
 from station.bench.noisy_runs import NoisyRuns
 from station.bench.simulation import TARGET, Noise, Simulation
-from station.pipeline import map_on_all_cores
 from station.progress import Progress
 from station.tables import Table, Value
 
@@ -26,7 +25,13 @@ class _PoseSet:
 
 
 def bench_pose_sets(
-    progress: Progress, *, sets: int = 20, poses: int = 10, runs: int = 20, seed: int = 1
+    progress: Progress,
+    *,
+    sets: int = 20,
+    poses: int = 10,
+    runs: int = 20,
+    seed: int = 1,
+    drawing: Drawing = ON_ALL_CORES,
 ) -> Table:
     """Solve the paper's simulation for many sets of poses at its largest noise of the dots.
 
@@ -42,11 +47,11 @@ def bench_pose_sets(
         Draws of the noise for each.
     seed
         Of poses and noise.
+    drawing
+        Who does the draws.
     """
     tasks = [_PoseSet(seed, place, poses, runs) for place in range(sets)]
-    found: Iterator[dict[Method, float]] = map_on_all_cores(
-        _over_bound, tasks, count=sets, seconds_each=runs * _RUN_S
-    )
+    found = drawing.map(_over_bound, tasks, seconds_each=runs * _RUN_S)
     ratios = []
     for done, ratio in enumerate(found, start=1):
         progress(done / sets, f"{done} of {sets} pose sets")

@@ -6,11 +6,11 @@ import numpy as np
 
 from calib import FloatArray, Rig, RigidTransform, RigSensor, moved_by
 from measure import OF_A_PROFILE, Shot, Survey, WheelFrame, measure_wheel_on_rig, reference_profile
+from station.bench.drawing import ON_ALL_CORES, Drawing
 from station.bench.measure_intervals import ASKED_SHARE, interval_row, sensor_beside
 from station.bench.rig_pictures import SHOWINGS, BuiltRig
 from station.bench.wheel_stripes import PlacedWheel, StripeNoise
 from station.bench.wheel_truths import errors_and_u95
-from station.pipeline import map_on_all_cores
 from station.progress import Progress
 from station.scenes import Light, WheelRig, WheelTruth
 from station.tables import Table, Value
@@ -38,6 +38,7 @@ def bench_rig_intervals(
     several: int = 200,
     shots: int = 3,
     seed: int = 1,
+    drawing: Drawing = ON_ALL_CORES,
 ) -> Table:
     """Draw everything a reading may be wrong by, as it is said to be, and count.
 
@@ -49,6 +50,8 @@ def bench_rig_intervals(
         How many wheels with one shot each, and with `shots` shots each, 20 mm apart.
     seed
         Of all draws.
+    drawing
+        Who does the draws.
     """
     built = BuiltRig.from_pictures([Light.GOOD], seed)
     rows: list[dict[str, Value]] = []
@@ -58,9 +61,7 @@ def bench_rig_intervals(
             _Pass(built.truth, built.found.covariance, count, (seed, count, number))
             for number in range(drawn_wheels)
         ]
-        answers = map_on_all_cores(
-            _errors_and_u95, tasks, count=len(tasks), seconds_each=_MEASURE_S * count
-        )
+        answers = drawing.map(_errors_and_u95, tasks, seconds_each=_MEASURE_S * count)
         drawn = np.array(list(answers))
         rows += [
             interval_row(quantity, count, drawn[:, n]) for n, quantity in enumerate(OF_A_PROFILE)

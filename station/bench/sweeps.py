@@ -1,15 +1,15 @@
 """The paper's two sweeps: noise of dots and noise of the stripe, every method beside the bound."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from calib import FloatArray, Method, cramer_rao_bound
+from station.bench.drawing import ON_ALL_CORES, Drawing
 from station.bench.noisy_runs import NoisyRuns, rms_ratio
 from station.bench.simulation import SENSOR, TARGET, Noise, Simulation
-from station.pipeline import map_on_all_cores
 from station.progress import Progress
 from station.tables import Table, Value
 
@@ -44,6 +44,7 @@ def bench_sweeps(
     runs: int = 100,
     seed: int = 1,
     levels_px: Sequence[float] = LEVELS_PX,
+    drawing: Drawing = ON_ALL_CORES,
 ) -> Table:
     """Solve the paper's simulation at each level of noise, many times, by every method.
 
@@ -59,6 +60,8 @@ def bench_sweeps(
         Of poses and noise.
     levels_px
         Levels of the noise that is swept.
+    drawing
+        Who does the draws.
     """
     began = time.monotonic()
     levels = [
@@ -66,9 +69,7 @@ def bench_sweeps(
         for sweep in ("dots", "stripe")
         for level in levels_px
     ]
-    scatters: Iterator[_Scatter] = map_on_all_cores(
-        _scatter, levels, count=len(levels), seconds_each=runs * len(Method) * _SOLVE_S
-    )
+    scatters = drawing.map(_scatter, levels, seconds_each=runs * len(Method) * _SOLVE_S)
     rows = []
     for done, (level, scatter) in enumerate(zip(levels, scatters, strict=True), start=1):
         progress(done / len(levels), f"{level.sweep} {level.level_px:g} px")

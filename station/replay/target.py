@@ -1,5 +1,6 @@
 """Where the wheels go: one table, or a folder of tables."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,8 @@ from station.replay.forms import Form, wheels_in
 from station.replay.parts import Part
 
 _PARTS = ".parts"
+_URL = re.compile(r"([a-z][a-z0-9+.-]+):/+(.*)")
+"""Of one taken for a path there is one slash left."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +41,14 @@ class Target:
         Raises
         ------
         InputUnusable
-            If its ending is that of no table.
+            If it is a URL, or its ending is that of no table.
         """
+        url = _URL.match(str(out))
+        if url is not None:
+            raise InputUnusable(
+                f"--out {url[1]}://{url[2]}: not supported, tables are written to disks of this "
+                "machine alone; give a path, and copy what comes of it"
+            )
         if out.is_dir() or not out.suffix:
             return cls(out, out, Form.PARQUET)
         table_writer(out)

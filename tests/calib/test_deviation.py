@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic_views import PAPER_CAMERA, PAPER_PLANE, PAPER_TARGET, SIZE, setting
 
-from calib import CameraRole, Cause, Method, Termination, calibrate
+from calib import CameraRole, Cause, Method, NotConverged, Termination, calibrate
 from calib.homography import apply_homography
 from calib.solving.deviation import relocation
 from calib.solving.deviation.cross_ratios import cross_ratio, fours_of
@@ -85,6 +85,14 @@ def test_a_stripe_point_out_of_reach_of_its_line_takes_no_part(rng):
     # One of 50 stripe points less: the plane moves by a part of its own uncertainty.
     sigma = np.sqrt(np.diag(found.sensor.covariance)[9:])
     assert (np.abs(found.sensor.plane.coefficients - clean) < sigma).all()
+
+
+def test_stripes_that_lie_on_no_common_plane_are_refused_in_words():
+    rng = np.random.default_rng(2)  # with others a plane is found that fits badly
+    views = setting(rng, 4).views(rng, dots_px=0.1, stripe_px=0.1, stripe_count=10)
+    exchanged = zip(views, [*views[1:], views[0]], strict=True)
+    with pytest.raises(NotConverged, match="one light plane; look at the residuals"):
+        solved([replace(view, stripe=other.stripe) for view, other in exchanged])
 
 
 def test_predicted_uncertainty_is_true(rng):

@@ -82,7 +82,8 @@ def a_station(folder):
 
 
 def _worker(log):
-    lines = [json.loads(line) for line in log.read_text().splitlines() if line.startswith("{")]
+    whole = log.read_text().rpartition("\n")[0].splitlines()  # a line may be on its way
+    lines = [json.loads(line) for line in whole if line.startswith("{")]
     return next(each["pid"] for each in lines if each.get("child") == "worker")
 
 

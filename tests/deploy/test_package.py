@@ -132,7 +132,10 @@ def test_the_station_in_it_records_as_systemd_starts_it(life):
 
 def test_it_is_stopped_in_order(life):
     assert life["ended"] == "success"
-    assert '"event": "station stopped"' in life["said"].splitlines()[-1]
+    told = [json.loads(line) for line in life["said"].splitlines() if line.startswith("{")]
+    ends = [each["child"] for each in told if each["event"] == "stopped"]
+    assert ends == ["api", "worker", "capture left"]
+    assert told[-1]["event"] == "station stopped"
 
 
 def test_the_key_of_a_credential_is_good_and_no_other_is_made(life):

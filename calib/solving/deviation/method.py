@@ -13,6 +13,7 @@ import numpy as np
 from calib.arrays import FloatArray
 from calib.calibration import SolveReport, Termination
 from calib.camera import PARAMETERS
+from calib.errors import NotConverged
 from calib.lines import fit_plane
 from calib.plane import LightPlane
 from calib.solving.deviation.corrected import Corrected
@@ -43,7 +44,8 @@ def solve_deviation(prepared: Prepared) -> Answer:
     TooFewViews
         If the stripes cross fewer than two views' columns.
     NotConverged
-        If the points leave a pose or the plane undetermined.
+        If the points leave a pose or the plane undetermined, as where most of them are not of one
+        target and one light plane.
 
     Notes
     -----
@@ -153,11 +155,17 @@ def _plane_covariance(
         moved.count,
     )
     total = dots + stripe
-    schur = total.shared - np.einsum(
-        "vij,vik->jk", total.border, np.linalg.solve(total.views, total.border)
-    )
     plane, camera = layout.plane_columns, layout.camera_columns
-    own = np.linalg.inv(schur[plane, plane])
+    try:
+        by_border = np.linalg.solve(total.views, total.border)
+        schur = total.shared - np.einsum("vij,vik->jk", total.border, by_border)
+        own = np.linalg.inv(schur[plane, plane])
+    except np.linalg.LinAlgError as error:
+        raise NotConverged(
+            f"deviations within {SIGMAS_ALLOWED:g} sigma do not carry the dots and stripes of all "
+            "pictures onto the target and one light plane; look at the residuals that method joint "
+            "shows, and leave out what does not fit"
+        ) from error
     to_sensor = layout.sensor_from_global(estimate)[len(PARAMETERS) :, plane]
     by_camera = np.zeros((4, len(PARAMETERS)))
     by_camera[:, list(free)] = -to_sensor @ own @ schur[plane, camera]

@@ -68,7 +68,7 @@ class Mixture:
         least = _LEAST_SIGMA_PX / float(np.median(sigma_px))
         square = float(np.median((residual**2).sum(axis=1)))
         scale = np.sqrt(square / _MEDIAN_SQUARE[residual.shape[1]])
-        return cls(max(float(scale), least), 0.05, settled=False, least_scale=least)
+        return cls(max(float(scale), least), _FIRST_SHARE, settled=False, least_scale=least)
 
     def weights(self, residual: FloatArray) -> FloatArray:
         """Return how far each point is believed, 0 to 1, shape (N,).
@@ -89,7 +89,8 @@ class Mixture:
 
         For good points the square over the variance, for outliers a constant; shape (N,).
         """
-        square = np.minimum(np.einsum("ij,ij->i", residual, residual) / self.scale**2, 600.0)
+        square = np.einsum("ij,ij->i", residual, residual) / self.scale**2
+        square = np.minimum(square, 2.0 * _LARGEST_EXPONENT)
         odds = self._odds(square, residual.shape[1])
         return np.asarray(square - 2.0 * np.log1p(odds))
 
@@ -97,8 +98,7 @@ class Mixture:
         """Return how much likelier points of such squares are outliers than good, shape (N,)."""
         normal = (1.0 - self.share) * (2.0 * np.pi) ** (-dimensions / 2.0)
         box = self.share * (2.0 * _REACH) ** -dimensions
-        # The exponential would overflow.
-        return np.asarray(box / normal * np.exp(np.minimum(square / 2.0, 300.0)))
+        return np.asarray(box / normal * np.exp(np.minimum(square / 2.0, _LARGEST_EXPONENT)))
 
     def believed(self, residual: FloatArray) -> BoolArray:
         """Tell which points are more likely good than not, shape (N,)."""

@@ -142,12 +142,6 @@ def fits_of(problem: RigProblem, solution: RigSolution) -> dict[str, SensorFit]:
     return fits
 
 
-def rms_px(parts: list[PointsAnswer]) -> float:
-    """Return the root mean square of all used deviations; 0 where none is used."""
-    used = np.concatenate([part.deviation_px[part.used] for part in parts])
-    return float(np.sqrt(np.mean(used**2))) if len(used) else 0.0
-
-
 def all_points(
     problem: RigProblem, solution: RigSolution
 ) -> tuple[list[PointsAnswer], list[PointsAnswer]]:

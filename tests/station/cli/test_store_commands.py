@@ -81,6 +81,14 @@ def test_a_backup_is_made_and_brought_back(station, trail, tmp_path, layout):
     assert newest["who"].endswith("at the command line")
 
 
+def test_a_station_that_never_ran_has_nothing_to_back_up_and_that_is_no_failure(station, tmp_path):
+    out = tmp_path / "one.backup"
+    assert station("backup", "--out", str(out))[0] == 2
+    code, said, err = station("backup", "--if-any", "--out", str(out))
+    assert (code, said, err) == (0, "there is no store yet: nothing to back up\n", "")
+    assert not out.exists()
+
+
 @pytest.mark.usefixtures("once")
 def test_each_refusal_is_one_line(station, layout, trail, tmp_path):
     out = tmp_path / "one.backup"

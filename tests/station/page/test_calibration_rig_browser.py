@@ -62,5 +62,6 @@ def test_a_recalibration_that_asks_locks_nobody_out(page, quiet_demo, axe):
     page.goto(f"{quiet_demo.url}/calibration")
     page.get_by_role("link", name="Look and answer").first.click()
     expect(page.get_by_role("button", name="Refuse it")).to_be_visible()
+    expect(page.locator("#shifts tbody tr").first).to_be_visible()
     axe(page)
     assert fits(page)

@@ -1,6 +1,7 @@
 """What was measured is not measured again, and every recording stands once among the parts."""
 
 import json
+from pathlib import Path
 
 import fsspec
 import numpy as np
@@ -191,6 +192,12 @@ def test_a_url_that_cannot_be_read_is_one_line(tmp_path, url, message):
     with pytest.raises(InputUnusable, match=message) as refused:
         replay_recordings([url], CALIBRATION, tmp_path / "r.csv")
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("out", ["s3://archive/results.parquet", "gs://archive/results"])
+def test_a_table_at_a_url_is_refused_in_one_line_that_names_it(folder, out):
+    with pytest.raises(InputUnusable, match=f"--out {out}: not supported, .* give a path"):
+        replay_recordings([folder], CALIBRATION, Path(out))
 
 
 def test_a_folder_without_a_recording_is_refused(tmp_path):

@@ -4,6 +4,7 @@ of its solving, of its deciding and of measuring again."""
 import multiprocessing
 import threading
 import time
+from datetime import timedelta
 
 import pytest
 from recalibration_ground import PointsMathematics, Shop
@@ -122,7 +123,7 @@ def test_worker_orders_what_its_schedule_owes(shop, worker):
     # In force for a year: whatever the clock says, one is owed, however many were missed.
     with shop.store.change() as session:
         for each in session.scalars(select(Activation)):
-            each.activated_at = each.activated_at.replace(year=each.activated_at.year - 1)
+            each.activated_at -= timedelta(days=366)
     due = shop.now.time().replace(hour=0, minute=0, second=0, microsecond=0)
     shop.settings = RecalibrationSettings(at=due)
     worker.start()

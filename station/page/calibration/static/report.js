@@ -1,12 +1,10 @@
 // The drawings of a report: the figures are had once, a picture's points when it is looked at.
 import { drawByPicture } from "./bypicture.js";
 import { drawComparison } from "./comparison.js";
-import { element } from "./elements.js";
 import { drawHistogram } from "./histogram.js";
 import { drawNeedles } from "./needles.js";
 import { pictureList } from "./pictures.js";
 import { drawMap, quantile } from "./shades.js";
-import { drawShifts } from "./shifts.js";
 import { quantity, wordsOf } from "./words.js";
 
 const say = wordsOf("report-words");
@@ -57,6 +55,3 @@ function begin() {
 }
 
 if (place) begin();
-if (at("shifts")) {
-  drawShifts(at("shifts")).catch(() => at("shifts").replaceChildren(element("p", { class: "warning" }, say("unreachable"))));
-}

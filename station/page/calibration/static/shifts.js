@@ -2,9 +2,11 @@
 import { element } from "./elements.js";
 import { quantity, wordsOf } from "./words.js";
 
-export async function drawShifts(place) {
-  const say = wordsOf("shifts-words");
-  const name = wordsOf("quantities");
+const place = document.getElementById("shifts");
+const say = wordsOf("shifts-words");
+const name = wordsOf("quantities");
+
+async function drawShifts() {
   const answer = await fetch(place.dataset.shifts);
   if (!answer.ok) throw new Error(String(answer.status));
   const told = await answer.json();
@@ -12,10 +14,10 @@ export async function drawShifts(place) {
     place.replaceChildren(element("p", { class: "hint" }, say("none", { why: told.reason })));
     return;
   }
-  place.replaceChildren(verdict(told, say, name), most(told, say, name), table(told, say, name), wheel(told, say));
+  place.replaceChildren(verdict(told), most(told), table(told), wheel(told));
 }
 
-function verdict({ shifts, within }, say, name) {
+function verdict({ shifts, within }) {
   const beyond = shifts.filter((each) => !each.within);
   const every = beyond.length === shifts.length;
   const some = () => say("some_beyond", { which: beyond.map((each) => name(each.quantity)).join(", ") });
@@ -24,7 +26,7 @@ function verdict({ shifts, within }, say, name) {
     element("span", { class: within ? "badge good" : "badge warn" }, say(within ? "within" : "beyond")), " ", text);
 }
 
-function most({ shifts }, say, name) {
+function most({ shifts }) {
   const largest = shifts.reduce((one, other) => (Math.abs(other.shift_mm) > Math.abs(one.shift_mm) ? other : one));
   const values = {
     by: quantity(Math.abs(largest.shift_mm), "mm", 4), which: name(largest.quantity),
@@ -33,18 +35,18 @@ function most({ shifts }, say, name) {
   return element("p", {}, say(largest.reading_u95_mm === null ? "most" : "most_beside", values));
 }
 
-function table({ shifts }, say, name) {
+function table({ shifts }) {
   const heads = ["quantity", "by", "u95", "stated", "state"];
   return element("div", { class: "wide" }, element("table", {},
     element("caption", { class: "hidden-text" }, say("caption")),
     element("thead", {}, element("tr", {}, heads.map((key) => element(
       "th", { scope: "col", class: ["quantity", "state"].includes(key) ? null : "num" }, say(key),
     )))),
-    element("tbody", {}, shifts.map((each) => row(each, say, name))),
+    element("tbody", {}, shifts.map((each) => row(each))),
   ));
 }
 
-function row(shift, say, name) {
+function row(shift) {
   return element("tr", {},
     element("th", { scope: "row" }, name(shift.quantity)),
     element("td", { class: "num" }, signed(shift.shift_mm)),
@@ -60,8 +62,10 @@ function signed(value) {
   return value > 0 ? `+${text}` : text;
 }
 
-function wheel(told, say) {
+function wheel(told) {
   const on = told.pass_id === null ? say("told_on_wheel") : say("told_on", { pass: told.pass_id });
   return element("p", { class: "hint" },
     on, " ", element("a", { href: `/wheels/${told.measurement}` }, say("look")), ". ", say("independent"));
 }
+
+drawShifts().catch(() => place.replaceChildren(element("p", { class: "warning" }, say("unreachable"))));
