@@ -142,8 +142,10 @@ def measure_wheel(
     reference
         The profile that wear is counted from.
     mounting
-        The survey of the installation. Without it the cut is taken for radial and turned until
-        it fits the reference, and every status is ``reference_assumed``.
+        The survey of the installation. Without it the section is turned until its flange fits
+        the reference, and every status is ``reference_assumed``: u95 holds a sheet that is out of
+        the wheel's radial plane as one turned by eye is. Where the flange back does not show, or
+        the flange shows a cut farther out, there is a reason and no reading.
     limits
         For the alarms; `Limits.default` where not given.
     assume_back

@@ -1,6 +1,7 @@
 """The doors of the solving half: from views to a camera, and to a laser sensor."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -147,6 +148,29 @@ def calibrate(
     return solved_credibly(solve, views)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Settled:
+    """A solve in which all views fit that took part.
+
+    Attributes
+    ----------
+    views
+        All that were given, each with the stripe that is the laser's.
+    usable, reasons
+        Indices of those that took part; why the others did not.
+    answer
+        Of the method.
+    warnings
+        Of the camera that it began with.
+    """
+
+    views: Sequence[View]
+    usable: Sequence[int]
+    reasons: Mapping[int, str]
+    answer: Answer
+    warnings: tuple[str, ...]
+
+
 def _sensor_of(
     views: Sequence[View],
     target: Target,
@@ -154,11 +178,43 @@ def _sensor_of(
     size: tuple[int, int],
     method: Method,
 ) -> Calibration:
+    solved = _settled(views, target, camera, size, method)
+    views, answer, reasons = solved.views, solved.answer, solved.reasons
+    false_stripes = frozenset(
+        index
+        for index, believed in zip(solved.usable, answer.stripe_in, strict=True)
+        if views[index].stripe is not None and not believed
+    )
+    return Calibration(
+        sensor=LaserSensor(answer.camera, answer.plane, answer.covariance),
+        method=method,
+        rms_dots_px=answer.dots.rms_px,
+        rms_stripe_px=answer.stripe.rms_px,
+        views=solved_views(
+            views, solved.usable, reasons, answer.poses, answer.dots, answer.stripe, false_stripes
+        ),
+        solve=answer.report,
+        warnings=(
+            *_left_out_warnings(views, reasons),
+            *_stripe_warnings(views, sorted(false_stripes)),
+            *solved.warnings,
+            *answer.warnings,
+        ),
+        seen=tuple(views),
+    )
+
+
+def _settled(
+    views: Sequence[View],
+    target: Target,
+    camera: CameraModel | None,
+    size: tuple[int, int],
+    method: Method,
+) -> _Settled:
+    """Solve, and again without the views that then do not fit, until all do."""
     usable, reasons = usable_views(views, target, camera)
     while True:
-        start, role, near, camera_warnings = _camera_to_start(
-            views, usable, reasons, target, camera, size
-        )
+        start, role, near, warnings = _camera_to_start(views, usable, reasons, target, camera, size)
         views = settle_stripes(views, usable, target, start)
         _require_views(
             [index for index in usable if has_stripe(views[index])],
@@ -170,31 +226,9 @@ def _sensor_of(
         answer = _METHODS[method](Prepared.of(chosen, target, start, role, near))
         failed = misfits(chosen, answer.dots, _LEAST_BELIEVED)
         if not failed:
-            break
+            return _Settled(views, usable, reasons, answer, warnings)
         reasons |= {usable[place]: reason for place, reason in failed.items()}
         usable = [index for index in usable if index not in reasons]
-    false_stripes = frozenset(
-        index
-        for index, believed in zip(usable, answer.stripe_in, strict=True)
-        if views[index].stripe is not None and not believed
-    )
-    return Calibration(
-        sensor=LaserSensor(answer.camera, answer.plane, answer.covariance),
-        method=method,
-        rms_dots_px=answer.dots.rms_px,
-        rms_stripe_px=answer.stripe.rms_px,
-        views=solved_views(
-            views, usable, reasons, answer.poses, answer.dots, answer.stripe, false_stripes
-        ),
-        solve=answer.report,
-        warnings=(
-            *_left_out_warnings(views, reasons),
-            *_stripe_warnings(views, sorted(false_stripes)),
-            *camera_warnings,
-            *answer.warnings,
-        ),
-        seen=tuple(views),
-    )
 
 
 def _camera_to_start(

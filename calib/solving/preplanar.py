@@ -23,6 +23,7 @@ from calib.solving.crossings import DotLine, crossed_lines, crossings_mm
 from calib.solving.joint.parameters import Estimate, Layout
 from calib.solving.joint.residuals import Linear, linearise_dots, linearise_stripe
 from calib.solving.prepared import Answer, PointsAnswer, Prepared
+from calib.solving.robust import robust_limit
 from calib.target import Target
 from calib.views import View
 
@@ -30,6 +31,12 @@ from calib.views import View
 _SAMPLES = 300
 # Points within this many robust standard deviations of the best sample's plane are kept.
 _KEEP = 3.0
+# Points without noise are off their plane by rounding.
+_ROUNDING_MM = 1e-9
+# Samples whose points lie in a line, beside the widest, tell no plane.
+_LEAST_SPREAD = 1e-9
+# Of central differences: small enough for the plane to follow straight, far above rounding.
+_STEP_SIGMAS = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,7 @@ import numpy as np
 from calib.arrays import FloatArray, IntArray
 from calib.camera import CameraModel
 from calib.lines import fit_plane
+from calib.solving.robust import robust_limit
 from calib.solving.start import LEAST_STRIPE_POINTS, start_pose, stripe_line
 from calib.target import Target
 from calib.views import StripePoints, View

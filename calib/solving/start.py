@@ -16,6 +16,7 @@ from calib.homography import apply_homography, fit_homography_robustly, pose_fro
 from calib.lines import fit_line_robustly, fit_plane
 from calib.plane import LightPlane
 from calib.rigid import RigidTransform
+from calib.solving.robust import robust_limit
 from calib.target import Target
 from calib.views import StripePoints, TargetPoints, View
 
@@ -27,7 +28,11 @@ LEAST_STRIPE_POINTS = 5
 _MOST_MISS = 0.5
 # Distortion bends a picture by up to this part of the target's extent in it.
 _BEND = 0.01
+# Of planes through two stripes; where a half are false, a quarter of them are through true ones.
 _MOST_CANDIDATES = 500
+# Stripes within so many robust standard deviations of the best plane are of the sheet; stripes
+# without noise are off it by rounding.
+_AGREEING, _ROUNDING_MM = 4.0, 1e-9
 # Of the lines' extent: stripes that spread less across each other are one line in space.
 _LEAST_SPREAD = 0.01
 # ... as are stripes whose spread is no more than this many times what the poses' noise makes.

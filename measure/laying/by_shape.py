@@ -1,7 +1,8 @@
 """A stripe laid over the reference by its own shape, where no survey of the installation is known.
 
-The cut is taken for radial. Which way the wheel lies in the sheet is found by trying, then
-refined on what does not wear; that the result leans on the reference is said in every status.
+Which way the wheel lies in the sheet is found by trying, then refined on what does not wear; that
+the result leans on the reference is said in every status. The cut is laid as a radial one: what it
+may be instead is told by `measure.laying.shape_doubt`.
 """
 
 from dataclasses import dataclass

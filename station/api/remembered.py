@@ -26,7 +26,7 @@ _MOST: Final = 64
 _LARGEST_BYTES: Final = 512_000
 _ASKS_FOR_LESS: Final = frozenset({"if-none-match", "range"})
 
-_Key = tuple[str, bytes, str, frozenset[str]]
+_Key = tuple[str, bytes, tuple[str, str], frozenset[str]]
 
 
 def from_the_store(endpoint: _Endpoint) -> _Endpoint:
@@ -150,5 +150,5 @@ def _key_of(scope: Scope) -> _Key | None:
     headers = Headers(scope=scope)
     if caller is None or _ASKS_FOR_LESS & set(headers):
         return None
-    accept = ",".join(headers.getlist("accept"))
-    return scope["path"], scope["query_string"], accept, frozenset(map(str, caller.scopes))
+    form = ",".join(headers.getlist("accept")), ",".join(headers.getlist("accept-encoding"))
+    return scope["path"], scope["query_string"], form, frozenset(map(str, caller.scopes))

@@ -7,6 +7,7 @@ from pathlib import Path
 from station.bench.calibration import bench_solvers, bench_solving
 from station.bench.capture import CAPTURE_PARTS, capture_benches
 from station.bench.deviations import bench_deviations
+from station.bench.drawing import Drawing
 from station.bench.lights import bench_lights
 from station.bench.measure import bench_oblique, bench_wheels
 from station.bench.measure_intervals import bench_intervals
@@ -72,9 +73,20 @@ BENCHES: dict[str, Sequence[Callable[[Progress], Table]]] = {
 }
 """What `station bench NAME` measures: one table each."""
 
+DRAWN: dict[str, Sequence[Callable[..., Table]]] = {
+    "calibration": (bench_sweeps, bench_pose_sets),
+    "measure": (bench_intervals,),
+    "paper": (bench_paper_draws,),
+    "piece": (bench_piece_u95,),
+    "rig": (bench_rig_intervals,),
+}
+"""Those that are many draws of a simulation: they take who does the draws, as a `Drawing`."""
+
 __all__ = [
     "BENCHES",
     "CAPTURE_PARTS",
+    "DRAWN",
+    "Drawing",
     "bench_deviations",
     "bench_lights",
     "bench_intervals",

@@ -1,4 +1,4 @@
-"""Is what a calibration says of its own uncertainty true: the paper's simulation drawn many times."""
+"""Is what a calibration says of its own uncertainty true: the paper's simulation, drawn often."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,7 +29,6 @@ class _Draw:
 class _Drawn:
     """Of one draw and method: error and told sigma of (a, b, c, d), shape (4,); NaN if refused."""
 
-    number: int
     method: Method
     error: FloatArray
     sigma: FloatArray
@@ -75,20 +74,20 @@ def bench_paper_draws(
 
 def _drawn(draw: _Draw) -> list[_Drawn]:
     simulation = Simulation.drawn(draw.poses, draw.seed)
-    return [_solved(simulation, method, draw.seed, draw.number) for method in Method]
+    return [_solved(simulation, method, draw) for method in Method]
 
 
-def _solved(simulation: Simulation, method: Method, seed: int, number: int) -> _Drawn:
+def _solved(simulation: Simulation, method: Method, draw: _Draw) -> _Drawn:
     # Every method sees the same noise.
-    views = simulation.noisy(np.random.default_rng([seed, number]), _NOISE).views
+    views = simulation.noisy(np.random.default_rng([draw.seed, draw.number]), _NOISE).views
     try:
         sensor = calibrate(
             views, TARGET, width=WIDTH_PX, height=HEIGHT_PX, camera=SENSOR.camera, method=method
         ).sensor
     except CalibError:
-        return _Drawn(number, method, np.full(4, np.nan), np.full(4, np.nan))
+        return _Drawn(method, np.full(4, np.nan), np.full(4, np.nan))
     error = sensor.plane.coefficients - SENSOR.plane.coefficients
-    return _Drawn(number, method, error, np.sqrt(np.diag(sensor.covariance)[-4:]))
+    return _Drawn(method, error, np.sqrt(np.diag(sensor.covariance)[-4:]))
 
 
 def _row(method: Method, drawn: Sequence[_Drawn]) -> dict[str, Value]:

@@ -1,6 +1,6 @@
 """Whether the uncertainties of a reference piece's dimensions are true, over drawn sensors."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np

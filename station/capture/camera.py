@@ -98,7 +98,15 @@ class Camera:
         return None if self._link is None else self._link.clock_sample()
 
     def start(self, trigger: Trigger, ring: Ring, free_slots: Iterable[int]) -> FrameStream:
-        """Begin to acquire into the free slots of the ring."""
+        """Begin to acquire into the free slots of the ring.
+
+        Raises
+        ------
+        CameraRefused
+            If the camera does not take the trigger or the frame rate.
+        CameraError
+            If it gives no stream, or does not answer.
+        """
         if self._present != self._usual:  # an exposure sequence ended otherwise
             self.expose_as(self._usual)
         with self._talking():

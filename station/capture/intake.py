@@ -104,7 +104,7 @@ class Intake:
             self._take(frame)
 
     def step(self) -> None:
-        """Take what has come, waiting a hundredth of a second at most; see what was written."""
+        """Take what has come, waiting a few milliseconds at most; see what was written."""
         if self._stream is not None:
             for frame in self._stream.take(_POP_TIMEOUT_US):
                 self._take(frame)

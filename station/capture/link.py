@@ -62,6 +62,9 @@ class RecorderLink:
     The recorder writes in the order it is told, and what it wrote survives it.  So when it dies,
     the number of entries in the file tells which of those on the way are still to be written; they
     lie in the ring, and another recorder writes them.
+
+    Whatever gives it an order or hears its answers raises RecorderDied where it is gone; what waits
+    for an answer raises RecordingError where none comes in time, or the error that it answers with.
     """
 
     def __init__(self, ring: Ring) -> None:
@@ -93,7 +96,13 @@ class RecorderLink:
         return self._paths
 
     def open(self, plan: RecordingPlan, metadata: Mapping[str, Mapping[str, str]]) -> None:
-        """Begin a recording; raises what the recorder says of its path."""
+        """Begin a recording.
+
+        Raises
+        ------
+        InputUnusable
+            If its file exists, or the folder does not take it.
+        """
         self._pending.clear()
         self._confirmed = 0
         self._opening = {

@@ -117,6 +117,11 @@ def enlarge_receive_buffer(port: int) -> int:
     """Give the UDP socket bound to `port` in this process a large buffer; return its size, bytes.
 
     The kernel counts its own bookkeeping too: a packet of 9000 bytes takes about 16 kB of it.
+
+    Raises
+    ------
+    LookupError
+        If no socket of this process is bound to it.
     """
     for name in os.listdir("/proc/self/fd"):
         with contextlib.suppress(OSError):  # the listing's own is gone by now

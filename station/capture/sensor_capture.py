@@ -87,6 +87,17 @@ class SensorCapture:
         """Open the recording and let the camera acquire; answer when it does.
 
         That is at once, unless the process before this one was killed and holds the camera still.
+
+        Raises
+        ------
+        StateConflict
+            If somebody arms the sensor already.
+        CameraRefused
+            If another program controls the camera, or it does not take what the plan asks.
+        CameraError
+            If it cannot be opened.
+        RecordingError, InputUnusable
+            If the recording cannot be begun.
         """
         if self._arming is not None:
             raise StateConflict("the sensor is being armed already", state=str(self.state))
@@ -140,7 +151,16 @@ class SensorCapture:
             raise StateConflict("a picture is being taken; look again", state=str(self.state))
 
     def trigger(self, answer: Answer) -> None:
-        """Take a frame, or a group of them; answer with the last one's id."""
+        """Take a frame, or a group of them; answer with the last one's id.
+
+        Raises
+        ------
+        StateConflict
+            If the recording is not triggered by software, the camera is away, or a frame is being
+            taken already.
+        CameraError
+            If the camera does not take the trigger.
+        """
         session, camera, triggering = self._session, self._keeper.camera, self._triggering
         by_software = session is not None and session.plan.trigger is Trigger.SOFTWARE
         if triggering is None or camera is None or not by_software:
@@ -148,7 +168,22 @@ class SensorCapture:
         triggering.begin(camera, answer)
 
     def finish(self, expected: int | None, timeout_s: float, answer: Answer) -> None:
-        """Wait for the last frames and close the recording; answer with the report."""
+        """Wait for the last frames and close the recording; answer with the report.
+
+        Parameters
+        ----------
+        expected
+            Frames that are to come in all, where they were counted.
+        timeout_s
+            How long they are waited for at most.
+        answer
+            Takes the report.
+
+        Raises
+        ------
+        StateConflict
+            If somebody finishes it already.
+        """
         if self._report is not None:
             self._hand_over(self._report, answer)
             return

@@ -1,6 +1,6 @@
 """`station bench`: the figures of the README, measured here."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -10,7 +10,8 @@ import typer
 from station.bench import (
     BENCHES,
     CAPTURE_PARTS,
-    bench_paper_draws,
+    DRAWN,
+    Drawing,
     bench_service_kills,
     capture_benches,
     measure_benches,
@@ -18,9 +19,10 @@ from station.bench import (
 from station.cli.output import AsJson, emit, progress_bar
 from station.errors import InputUnusable
 from station.progress import Progress
+from station.replay import workers_at
 from station.tables import Table
 
-_CAPTURE, _MEASURE, _KILLS, _PAPER = "capture", "measure", "service-kills", "paper"
+_CAPTURE, _MEASURE, _KILLS = "capture", "measure", "service-kills"
 
 
 def bench(
@@ -50,7 +52,8 @@ def bench(
         str | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Of paper: draw the noise many times, on the workers of this Dask scheduler.",
+            help=f"Of {', '.join(DRAWN)}: the draws of a simulation by the workers of this Dask "
+            "scheduler; the same figures however many they are. At tls:// as `station replay`.",
         ),
     ] = None,
     as_json: AsJson = False,
@@ -60,9 +63,10 @@ def bench(
         raise InputUnusable(f"bench {name!r}; allowed: {', '.join(BENCHES)}")
     benches = dict(BENCHES) if name is None else {name: BENCHES[name]}
     if cluster is not None:
-        if name != _PAPER:
-            raise InputUnusable("--cluster is of `station bench paper`")
-        benches[name] = (partial(bench_paper_draws, cluster=cluster),)
+        if name not in DRAWN:
+            raise InputUnusable(f"--cluster is of `station bench` {', '.join(DRAWN)}; name one")
+        _emit({name: _drawn_by(cluster, name)}, as_json=as_json)
+        return
     if name == _MEASURE and folder is not None:
         benches[name] = measure_benches(folder)
         folder = None
@@ -79,6 +83,16 @@ def bench(
             part or CAPTURE_PARTS, full=full, minutes=minutes, folder=folder
         )
     tables = {one: _measured(one, measures) for one, measures in benches.items()}
+    _emit(tables, as_json=as_json)
+
+
+def _drawn_by(cluster: str, name: str) -> list[Table]:
+    with workers_at(cluster) as crew:
+        drawing = Drawing(crew)
+        return _measured(name, [partial(draw, drawing=drawing) for draw in DRAWN[name]])
+
+
+def _emit(tables: Mapping[str, Sequence[Table]], *, as_json: bool) -> None:
     emit(
         {one: [table.as_data() for table in some] for one, some in tables.items()},
         "\n\n".join(table.as_markdown() for some in tables.values() for table in some),

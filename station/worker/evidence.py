@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import asdict
 from datetime import datetime
-from typing import Any
 
 from sqlalchemy.orm import Session
 
@@ -12,7 +11,14 @@ from measure import PieceVerdict
 from station.documents import CalibrationDocument
 from station.operations import last_good_check
 from station.recalibration import Difference, Evidence, Outcome, PieceFindings, largest_ratio
-from station.store import Calibration, Recalibration, RecalibrationState, active, the
+from station.store import (
+    Calibration,
+    JsonObject,
+    Recalibration,
+    RecalibrationState,
+    active,
+    the,
+)
 from station.store.recalibrations import decided_against
 from station.worker.comparing import sheet_difference, soundness_of, whole_difference
 from station.worker.context import WorkContext
@@ -118,12 +124,10 @@ def _kept(difference: Difference) -> dict[str, object]:
     }
 
 
-def _difference(kept: dict[str, Any] | None) -> Difference | None:
+def _difference(kept: JsonObject | None) -> Difference | None:
     if kept is None:
         return None
-    told: dict[str, Any] = {
-        name: math.nan if value is None else value for name, value in kept.items()
-    }
+    told: JsonObject = {name: math.nan if value is None else value for name, value in kept.items()}
     u, v = kept["largest_at_px"] or (math.nan, math.nan)
     return Difference(**{**told, "largest_at_px": (u, v)})
 

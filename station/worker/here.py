@@ -51,7 +51,13 @@ def recalibrate_here(
 
 
 def sensors_to_do(context: WorkContext, sensor: str | None) -> list[str]:
-    """Return the sensor, or all that have a calibration in force."""
+    """Return the sensor, or all that have a calibration in force.
+
+    Raises
+    ------
+    InputUnusable
+        If none has one.
+    """
     if sensor is not None:
         return [sensor]
     with context.store.look() as session:

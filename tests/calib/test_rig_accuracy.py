@@ -117,6 +117,12 @@ def test_points_without_noise_give_the_rig_and_the_boards(rng):
     )
     for view in answer.views:
         assert view.solved.dots.used.all()
+        # What was seen stands in the order of what is corrected.
+        for seen_px, solved in (
+            (view.seen.points.centre_px, view.solved.dots),
+            (view.seen.stripe.centre_px, view.solved.stripe),
+        ):
+            np.testing.assert_allclose(seen_px, solved.corrected_px, atol=1e-3)
     assert answer.rms_dots_px < 1e-4
     assert answer.rms_stripe_px < 1e-4
 
@@ -154,6 +160,10 @@ def test_one_board_that_both_cameras_see_needs_two_showings(rng):
         )
         turns = {(view.showing, view.sensor) for view in answer.views if view.quarters}
         assert turns == {("s0", "outer")}
+        for each in answer.views:
+            np.testing.assert_allclose(
+                each.seen.points.centre_px, each.solved.dots.corrected_px, atol=1.0
+            )
         error, covariance = _errors(answer, scene)
         # Chi square of 6 is above 27.9 once in 10,000.
         assert _chi_square(error[-6:], covariance[-6:, -6:])[0] < 27.9

@@ -34,9 +34,12 @@ def why_no_machine():
 @pytest.fixture(scope="module")
 def package(tmp_path_factory):
     out = tmp_path_factory.mktemp("dist")
+    environment = {**os.environ, "DEB_COMPRESSION": "1"}
+    # With it nothing is compiled that should not be; whoever builds it has none.
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
     built = subprocess.run(
         [ROOT / "deploy/package", out],
-        env={**os.environ, "DEB_COMPRESSION": "1"},
+        env=environment,
         capture_output=True,
         text=True,
         timeout=560,
@@ -100,6 +103,11 @@ def life(package, tmp_path_factory):
     out = (folder / "out").read_text() if (folder / "out").exists() else ""
     assert lived.returncode == 0, lived.stdout + lived.stderr + out
     return json.loads(out.splitlines()[-1])
+
+
+def test_one_command_builds_it(package):
+    """First, and alone: building takes as long as the life of it."""
+    assert package.name.startswith("treadline_")
 
 
 def test_the_package_brings_its_user_and_folders(life):

@@ -45,8 +45,9 @@ class Damping:
     def eased(self, fall: float, decrement: float) -> "Damping":
         """Return the damping after a step that was taken, by Nielsen's rule [1]_.
 
-        It eases where the cost fell as foretold. Where it did not - at large noise a board seen
-        from the front is curved in its tilt - it stays, or the walk would go to and fro.
+        It eases where the cost fell as foretold. Where it fell by half of that or less - at large
+        noise a board seen from the front is curved in its tilt - it stays or rises, to the double
+        at most, or the walk would go to and fro.
 
         Parameters
         ----------

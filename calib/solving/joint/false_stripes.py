@@ -2,17 +2,19 @@
 
 import numpy as np
 
-from calib.arrays import BoolArray, IntArray
+from calib.arrays import BoolArray, FloatArray, IntArray
 from calib.solving.joint.problem import Problem, Solution
 from calib.solving.start import LEAST_STRIPE_POINTS
 
-# Chi square of an offset and a slope that a true stripe exceeds once in 300,000.
-_MOST_SURPRISE = 25.0
+MOST_SURPRISE = 25.0
+"""Chi square of an offset and a slope that a true stripe exceeds once in 300,000."""
 # Median of chi square with two degrees of freedom.
 _MEDIAN_SURPRISE = 1.386
 # A stripe that alone determines its pose leaves nothing to compare it with; rounding must not
 # make less than nothing of it.
 _LEAST_REMAINDER = 1e-6
+# Of points in one place, which have no slope.
+_LEAST_SPREAD_PX = 1e-9
 # A stripe that leaves less than this part of its view's dots believable has pulled the pose away.
 _LEAST_DOTS_BELIEVED = 0.5
 
@@ -35,7 +37,7 @@ def believable_stripes(problem: Problem, solution: Solution) -> BoolArray:
         if last - first >= LEAST_STRIPE_POINTS and not pulled[view]:
             surprise[view] = _surprise(problem, solution, view, np.arange(first, last))
     usual = np.median(surprise[np.isfinite(surprise)]) / _MEDIAN_SURPRISE
-    return np.asarray(surprise <= _MOST_SURPRISE * max(usual, 1.0))
+    return np.asarray(surprise <= MOST_SURPRISE * max(usual, 1.0))
 
 
 def _surprise(problem: Problem, solution: Solution, view: int, rows: IntArray) -> float:
@@ -47,8 +49,7 @@ def _surprise(problem: Problem, solution: Solution, view: int, rows: IntArray) -
     """
     # Single false points must not decide over the whole.
     rows = rows[problem.on_line[rows]]
-    along = problem.observations.stripe.along_px[rows]
-    along = (along - along.mean()) / max(along.std(), 1e-9)
+    along = standardised(problem.observations.stripe.along_px[rows])
     to_line = np.stack([np.ones(len(rows)), along]) / len(rows)
     jacobian = to_line @ solution.stripe.jacobian[rows, 0]
     seen = to_line @ solution.stripe.residual[rows, 0]
@@ -62,3 +63,11 @@ def _surprise(problem: Problem, solution: Solution, view: int, rows: IntArray) -
     # The noise of one point is allowed to the whole: a stripe may be a little off as a whole.
     expected = left + np.eye(2) * mixture.scale**2
     return float(seen @ np.linalg.solve(expected, seen))
+
+
+def standardised(along_px: FloatArray) -> FloatArray:
+    """Return places along a stripe, shape (N,), about their mean and over their spread.
+
+    Beside a constant they are then an independent part of a residual: its slope.
+    """
+    return np.asarray((along_px - along_px.mean()) / max(along_px.std(), _LEAST_SPREAD_PX))

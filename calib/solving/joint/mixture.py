@@ -19,7 +19,9 @@ from calib.arrays import BoolArray, FloatArray, IntArray
 
 # Half-width, in standard deviations, of the box an outlier may lie in.
 _REACH = 50.0
-_LEAST_SHARE, _MOST_SHARE = 1e-3, 0.5
+_LEAST_SHARE, _FIRST_SHARE, _MOST_SHARE = 1e-3, 0.05, 0.5
+# Half the square of a residual that is no longer told from a larger one: exp(710) overflows.
+_LARGEST_EXPONENT = 300.0
 # No point of a picture is believed more exactly than this, even in data without noise: beside
 # points of half a pixel, weights a million times theirs would drown them in rounding.
 _LEAST_SIGMA_PX = 1e-3

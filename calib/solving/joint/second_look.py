@@ -13,14 +13,13 @@ import numpy as np
 
 from calib.arrays import BoolArray
 from calib.errors import NotConverged
+from calib.solving.joint.false_stripes import MOST_SURPRISE, standardised
 from calib.solving.joint.problem import Problem, Solution
 from calib.solving.joint.solve import solve
 from calib.solving.start import LEAST_STRIPE_POINTS
 
 # Of the pose's rotation, rad (half a degree): what is better known is linear enough.
 _LOOSE_TILT = 0.01
-# Chi square of an offset and a slope that a true stripe exceeds once in 300,000.
-_MOST_SURPRISE = 25.0
 _FEWEST_STRIPES = 2
 
 
@@ -46,7 +45,7 @@ def acquitted(problem: Problem, solution: Solution, doubted: BoolArray) -> BoolA
     except NotConverged:
         return true
     for view in np.flatnonzero(looked_at):
-        true[view] = _surprise_of(without, base, int(view)) <= _MOST_SURPRISE
+        true[view] = _surprise_of(without, base, int(view)) <= MOST_SURPRISE
     return true
 
 
@@ -63,8 +62,7 @@ def _surprise_of(without: Problem, base: Solution, view: int) -> float:
     more_dots = dots.surprise(full.dots.residual) - dots.surprise(base.dots.residual)
     more_others = stripe.surprise(full.stripe.residual) - stripe.surprise(base.stripe.residual)
     own = without.on_line & (without.observations.stripe.view == view)
-    along = without.observations.stripe.along_px[own]
-    along = (along - along.mean()) / max(along.std(), 1e-9)
+    along = standardised(without.observations.stripe.along_px[own])
     residual = full.stripe.residual[own, 0]
     offset_and_slope = (residual.sum() ** 2 + (residual @ along) ** 2) / len(residual)
     total = more_dots.sum() + more_others[others].sum() + offset_and_slope / stripe.variance

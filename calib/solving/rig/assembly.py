@@ -9,7 +9,7 @@ from calib.camera import CameraModel
 from calib.rig import RIG_PARAMETERS, Rig, RigSensor
 from calib.sensor import SENSOR_PARAMETERS, LaserSensor
 from calib.solving.assembly import solved_views
-from calib.solving.prepared import PointsAnswer
+from calib.solving.prepared import PointsAnswer, rms_px
 from calib.solving.rig.answer import SensorFit, SolvedBoard, SolvedRigView
 from calib.solving.rig.problem import RigProblem
 from calib.solving.rig.seen import SeenView

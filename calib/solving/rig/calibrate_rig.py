@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from calib.calibration import SolvedView, Termination
 from calib.errors import TooFewViews
 from calib.sensor import LaserSensor
+from calib.solving.prepared import rms_px
 from calib.solving.rig.answer import RigCalibration, SolvedRigView
 from calib.solving.rig.assembly import (
     all_points,
     fits_of,
-    rms_px,
     solved_boards,
     solved_pictures,
     solved_rig,

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from calib.arrays import BoolArray, FloatArray, IntArray
 
 FEWEST_SHOWINGS = 3
+# Of 60 sets of three, one has no false showing with a chance of 1 - 3e-4 where a half are false.
 _MOST_TRIPLES = 60
 # Of 4 x 4 x 4 numberings of three showings, by chance few pass; turns of a pair agree within this.
 _ANGLES_AGREE_RAD = 0.05

@@ -21,6 +21,13 @@ def require_turns(link: Link, first: Numbered, views: Sequence[SeenView]) -> Non
     Its boards' mutual pose is not known: only what turns moves the one camera's board otherwise
     than the other's. Of a target that is only shifted, the shift between the cameras is open along
     all axes; of one turned about one axis alone, along this.
+
+    Raises
+    ------
+    TooFewViews
+        If there are fewer than three showings.
+    Degenerate
+        If the target was only shifted between them, or turned about one axis alone.
     """
     count = len(first.rotation)
     if count < FEWEST_SHOWINGS:

@@ -4,7 +4,7 @@ from datetime import UTC, datetime, timedelta
 
 from station.fleet.forecast import Forecast
 from station.fleet.pages.parts import UNKNOWN, mm
-from station.fleet.standing import QuantityStanding
+from station.fleet.standing import QuantityStanding, worn_end
 from station.fleet.wear import Wear
 
 _BEGAN = datetime(1970, 1, 1, tzinfo=UTC)
@@ -64,11 +64,14 @@ def sentence(standing: QuantityStanding) -> str:
     else:
         rate, u95 = rate_and_u95(standing.wear)
         said = f"{rate} {u95} in 30 days, as {standing.wear.held_against} reads it."
-    found = standing.forecast
-    if found is None:
+    end = None if standing.limit is None else worn_end(standing.quantity, standing.limit)
+    if end is None or standing.margin_mm is None:
         return said
-    if found.margin_mm <= 0.0:
-        return f"{said} {mm(-found.margin_mm)} beyond its limit of {found.limit_mm:g} mm."
+    if standing.margin_mm <= 0.0:
+        return f"{said} {mm(-standing.margin_mm)} beyond its limit of {end:g} mm."
+    left = f"{said} {mm(standing.margin_mm)} left to {end:g} mm"
+    if standing.forecast is None:
+        return f"{left}."
     when = expected(standing)
-    held = f" ({interval(standing)})" if found.sure and when[0].isdigit() else ""
-    return f"{said} {mm(found.margin_mm)} left to {found.limit_mm:g} mm: {when}{held}."
+    held = f" ({interval(standing)})" if standing.forecast.sure and when[0].isdigit() else ""
+    return f"{left}: {when}{held}."

@@ -46,7 +46,7 @@ def get_page(request: Request, parts: PartsOf, shell: ShellOf, _: Reader) -> Res
 @for_a_moment
 def get_live(request: Request, parts: PartsOf, shell: ShellOf, _: Reader) -> Response:
     """Return the parts of the page that change by themselves; each finds its place by its id."""
-    return shell.page(request, "now/live.html", view=now_view(parts))
+    return shell.packed(request, "now/live.html", view=now_view(parts))
 
 
 @router.get("/now/last")

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
+from operator import attrgetter
 
 from sqlalchemy import select
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from station.store.lists.paging import ALWAYS, Cursor, Page, Span, newest_page
 from station.store.states import PassState
@@ -49,17 +50,7 @@ def recordings_by_pass(
     session: Session, passes: Iterable[Pass]
 ) -> Mapping[str, Sequence[Recording]]:
     """Return the recordings of passes, by the pass, each ordered by sensor."""
-    wanted = [row.id for row in passes]
-    found = session.scalars(
-        select(Recording)
-        .where(Recording.pass_id.in_(wanted))
-        .order_by(Recording.pass_id, Recording.sensor)
-    )
-    return {name: list(own) for name, own in groupby(found, key=_pass_of)}
-
-
-def _pass_of(recording: Recording) -> str:
-    return recording.pass_id or ""
+    return _by_owner(session, Recording.pass_id, [row.id for row in passes])
 
 
 def recordings_page(
@@ -107,14 +98,13 @@ def recordings_by_session(
     session: Session, sessions: Iterable[CalibrationSession]
 ) -> Mapping[str, Sequence[Recording]]:
     """Return the recordings of calibration sessions, by the session, each ordered by sensor."""
-    wanted = [row.id for row in sessions]
+    return _by_owner(session, Recording.session_id, [row.id for row in sessions])
+
+
+def _by_owner(
+    session: Session, owner: InstrumentedAttribute[str | None], wanted: Sequence[str]
+) -> Mapping[str, Sequence[Recording]]:
     found = session.scalars(
-        select(Recording)
-        .where(Recording.session_id.in_(wanted))
-        .order_by(Recording.session_id, Recording.sensor)
+        select(Recording).where(owner.in_(wanted)).order_by(owner, Recording.sensor)
     )
-    return {name: list(own) for name, own in groupby(found, key=_session_of)}
-
-
-def _session_of(recording: Recording) -> str:
-    return recording.session_id or ""
+    return {name: list(own) for name, own in groupby(found, key=attrgetter(owner.key))}

@@ -3,6 +3,7 @@
 import csv
 import io
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from calib import (
     Method,
     RigidTransform,
     SolvedPoints,
+    SolvedRigView,
     SolvedView,
     SolveReport,
     StripePoints,
@@ -25,7 +27,7 @@ from calib import (
     Termination,
     View,
 )
-from station.documents import POINT_COLUMNS, points_csv, views_from_points
+from station.documents import POINT_COLUMNS, points_csv, rig_points_csv, views_from_points
 from station.errors import InputUnusable
 
 TARGET = Target.parse("dots:7x8:12")
@@ -113,6 +115,19 @@ def test_view_left_out_has_its_reason_in_every_row(view, calibration):
     )
     rows = list(csv.DictReader(io.StringIO(points_csv(answer))))
     assert {(row["used"], row["reason"]) for row in rows} == {("0", "too few dots")}
+
+
+def test_each_sensor_of_a_rig_has_the_points_of_its_own_pictures(view, calibration):
+    (solved,) = calibration.views
+    pictures = [
+        SolvedRigView("showing 1", sensor, "board", 0, solved, view)
+        for sensor in ("inner", "outer")
+    ]
+    sensors = [SimpleNamespace(name=name) for name in ("inner", "outer", "blind")]
+    rig = SimpleNamespace(rig=SimpleNamespace(sensors=sensors), views=pictures)
+    texts = rig_points_csv(rig)
+    assert texts["inner"] == texts["outer"] == points_csv(calibration)
+    assert texts["blind"].split() == [",".join(POINT_COLUMNS)]
 
 
 HEADER = "image,kind,row,col,u,v,sigma_u,sigma_v\n"

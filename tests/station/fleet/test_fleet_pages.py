@@ -63,6 +63,18 @@ def test_all_pages_are_there_and_lead_to_each_other(two, written):
             assert ((out / page).parent / target).is_file(), (page, target)
 
 
+def test_they_come_of_a_postgresql_too(postgres, tmp_path):
+    url, out = postgres.empty_database(), tmp_path / "pages"
+    with fleet_of_two(tmp_path, url) as (north, _):
+        north.train(0, axles=1)
+        north.push()
+        assert run(build_app("fleet"), ["fleet", "page", "--out", str(out), "--url", url]) == 0
+    assert "not over 36 mm" not in wheel_text(out)  # so far away it is not drawn, but said
+    assert "One value tells no wear. 6.00\N{NARROW NO-BREAK SPACE}mm left to 36 mm." in wheel_text(
+        out
+    )
+
+
 def test_a_wheels_page_has_both_stations_the_limit_and_all_values(two, written):
     north, south = two
     for number in range(6):

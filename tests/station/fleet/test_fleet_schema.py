@@ -1,13 +1,17 @@
 """Shows that the fleet's migrations make the tables of the code, beside whatever else is there."""
 
+from pathlib import Path
+
 import pytest
 from alembic.autogenerate import compare_metadata
+from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from newest_schema import make_store
 from sqlalchemy import inspect, text
 
 from station.errors import StationError, StoreUnusable
-from station.fleet import EMPTY, ensure_ready, fleet_revision, migrate_fleet
+from station.fleet import EMPTY, ensure_ready, fleet_revision, migrate_fleet, migrating
 from station.fleet.connecting import fleet_engine
 from station.fleet.migrating import VERSION_TABLE
 from station.fleet.tables import FleetTable
@@ -43,6 +47,13 @@ def test_migrating_up_gives_exactly_the_tables_of_the_code_and_down_leaves_none(
     migrate_fleet(any_url)
     migrate_fleet(any_url)
     assert differences(any_url) == []
+
+
+def test_the_revisions_known_without_alembic_are_those_it_walks():
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrating.__file__).with_name("migrations")))
+    steps = ScriptDirectory.from_config(config).walk_revisions()
+    assert [step.revision for step in steps][::-1] == migrating.known_revisions()
 
 
 def test_the_tables_of_a_station_and_of_the_fleet_do_not_collide(any_url):

@@ -191,6 +191,18 @@ def test_all_scripts_of_the_page_are_asked_for_at_once(reader):
     assert sorted(asked) == sorted(scripts - {"aim.js"})  # which a calibration session begins with
 
 
+def test_the_part_that_is_loaded_each_second_is_small_for_who_takes_it_so(reader):
+    for _ in range(2):  # also of an answer that is given again
+        small = reader.get("/now/live", headers={"Accept-Encoding": "gzip"})
+        plain = reader.get("/now/live", headers={"Accept-Encoding": "identity"})
+        assert small.headers["Content-Encoding"] == "gzip"
+        assert int(small.headers["Content-Length"]) < 0.4 * int(plain.headers["Content-Length"])
+        assert "Content-Encoding" not in plain.headers
+        assert small.headers["Vary"] == plain.headers["Vary"] == "Accept-Encoding"
+        assert "sensor-left-doing" in small.text
+        assert "sensor-left-doing" in plain.text
+
+
 def test_no_part_that_is_loaded_anew_holds_the_token_of_a_browser(operator):
     parts = ["/now/live", "/now/last", "/now/desk"]
     assert not any("csrf" in operator.get(part).text for part in parts)

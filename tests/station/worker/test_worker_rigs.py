@@ -24,6 +24,7 @@ from station.store import (
     Pass,
     PassState,
     RigCalibration,
+    RigCalibrationPoints,
     the,
 )
 from station.store.disposal import measured_recordings
@@ -144,6 +145,9 @@ def test_a_calibrated_rig_is_ready_with_its_file(ground, context):
     row = found(ground, RigCalibration, "r1")
     assert (row.state, row.passed, found(ground, Job, job).state) == ("ready", True, "done")
     assert '"anchor":"inner"' in row.document
+    for sensor in BOTH:
+        with ground.store.look() as session:
+            assert session.get(RigCalibrationPoints, ("r1", sensor)).csv == "image,kind\n"
 
 
 def test_a_rig_that_cannot_be_calibrated_fails_with_the_reason(ground, context, monkeypatch):
