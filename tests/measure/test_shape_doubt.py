@@ -92,12 +92,13 @@ def test_u95_without_a_survey_holds_form_and_obliquity():
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)  # a minute on a quiet core, five on a shared one
 def test_u95_without_a_survey_holds_the_truth_93_to_97_times_of_a_hundred():
-    ratios, refused = drawn_errors_over_u95(400)
-    assert refused <= 0.15 * 400
+    ratios, refused = drawn_errors_over_u95(240)
+    assert refused <= 0.2 * 240
     inside = np.mean(np.abs(ratios) <= 1.0, axis=0)
-    # Luck alone moves a share of 350 by 0.012, one sigma.
-    assert (np.abs(inside - 0.95) <= 0.02 + 0.012).all(), inside
+    # Luck alone moves a share of 200 by 0.015, one sigma.
+    assert (np.abs(inside - 0.95) <= 0.02 + 0.015).all(), inside
 
 
 @pytest.mark.parametrize(("yaw_deg", "lean_deg"), [(25.0, 0.0), (0.0, -25.0)])

@@ -17,10 +17,11 @@ NEEDS = {
     "checkout": "they make the environment that these tests run in, and run them",
     "demo": "a minute; test_demo.py runs it",
     "train": "test_readme_controller.py runs it, the worker ending the job while it is followed",
+    "bucket": "an archive on an S3 server; tests/station/replay/test_s3.py starts one",
     "yours": "recordings, rigs and profiles of one's own; test_readme.py knows each option",
 }
 """What a block may need that is not here, and why; where it is run instead."""
-MOST_NOT_RUN = 9
+MOST_NOT_RUN = 10
 
 
 def test_there_is_no_page_beside_those_in_order():

@@ -66,6 +66,7 @@ def test_reports_are_read_and_decided_in_the_light(page, own, axe):
     expect(page.locator("#dots-histogram svg")).to_be_visible()
     expect(page.locator("#sheet-map canvas").first).to_be_visible()
     expect(page.locator("#comparison-map .badge")).to_be_visible()
+    expect(page.locator("#shifts tbody tr").first).to_be_visible()
     axe(page)
     page.get_by_role("button", name="Before", exact=True).click()
     expect(page.locator("#overlay .mark-corrected")).to_have_count(0)
@@ -186,10 +187,11 @@ def test_a_solve_is_followed_until_it_ends(page, own, axe, refused, expected_fai
     page.on(
         "request", lambda each: asked.append(each.url) if each.url.endswith("/solving") else None
     )
-    page.goto(f"{own.url}/calibrations/{name}")
-    expect(page.locator("#solving progress")).to_be_visible()
+    with page.expect_response("**/v1/jobs/*/events"):
+        page.goto(f"{own.url}/calibrations/{name}")
     axe(page)
     for part, doing in ((0.25, "picture 3 of 12"), (0.75, "solving")):
+        asked.clear()  # a stream that comes late is asked for meanwhile
         progress(own, name, part, doing)
         expect(page.locator("#solving .hint")).to_have_text(
             f"{part:.0%}"[:-1] + f"\u202f% · {doing}"
