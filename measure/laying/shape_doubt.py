@@ -24,8 +24,8 @@ _SIGMA_LEAN_RAD = np.radians(6.5)
 _RADIUS_MM = Survey().wheel_radius_mm
 # 1 mm of u95 in flange height, 55 mm from tip to tape circle: what is known less well is not given.
 _MOST_SIGMA_TURN_RAD = 9e-3
-# Of three strains, as a chi-square: 4 of 100 drawn wheels that are as said above pass it, and 19 of
-# 20 that are cut 20 degrees out of the radial plane.
+# Of three strains, as a chi-square: 4 of 100 drawn wheels that are as said above pass it, and 9 of
+# 10 that are cut 20 degrees out of the radial plane.
 _MOST_STRAIN = 5.0
 # What each place has by itself: pits, scatter, left-over bends. So much that no single place tells
 # of the whole flange.

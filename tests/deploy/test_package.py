@@ -17,7 +17,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 MACHINE = Path(__file__).with_name("machine.sh")
 OWN_SPACES = ["unshare", "--mount", "--pid", "--net", "--uts", "--ipc", "--cgroup", "--fork"]
-TRY = "mount -t tmpfs tmpfs /mnt && mkdir /mnt/c && mount -t cgroup2 cgroup2 /mnt/c"
+TRY = (
+    "mount -t tmpfs tmpfs /mnt && mkdir /mnt/c && mount -t cgroup2 cgroup2 /mnt/c"
+    " && mkdir /mnt/c/treadline-try && rmdir /mnt/c/treadline-try"
+)
 
 
 def why_no_machine():

@@ -67,8 +67,10 @@ def test_a_bucket_is_measured_to_the_same_readings_as_the_file(endpoint, replay,
 
 
 def test_workers_fetch_from_it_and_a_second_run_finds_all_done(endpoint, replay, tmp_path):
-    (tmp_path / "s3.json").write_text(json.dumps({"s3": {"endpoint_url": endpoint}}))
-    by_file = {"FSSPEC_CONFIG_DIR": str(tmp_path)}
+    folder = tmp_path / "fsspec"
+    folder.mkdir()
+    (folder / "s3.json").write_text(json.dumps({"s3": {"endpoint_url": endpoint}}))
+    by_file = {"FSSPEC_CONFIG_DIR": str(folder)}
     out = f"--out={tmp_path / 'parts'}"
     assert replay("s3://archive/2024", out, "--workers=2", **by_file).returncode == 0
     again = replay("s3://archive/2024", out, "--dry-run", "--json", **by_file)
