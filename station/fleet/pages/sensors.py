@@ -8,7 +8,7 @@ from station.fleet.pages.addresses import SENSORS
 from station.fleet.pages.frame import page
 from station.fleet.pages.parts import UNKNOWN, badge, card, empty, mm, nowrap, table, two_lines
 from station.fleet.wording import moment, span
-from station.report import Child, Markup, count, element, minus
+from station.report import Child, Markup, element, minus
 
 _SOON = 0.9
 """Of the time until it is due: from there on somebody should plan a visit."""
@@ -20,7 +20,7 @@ def sensors_card(healths: Sequence[SensorHealth], due_after: timedelta) -> Marku
         none = "No calibration is in force anywhere."
         return card("Sensors", empty(none), id_="sensors")
     wanted = [each for each in healths if _wants(each, due_after)]
-    all_of_them = element("a", f"All {count(len(healths), 'calibration')} in force", href=SENSORS)
+    all_of_them = element("a", f"Calibrations in force: {len(healths)}", href=SENSORS)
     shown: Child = (
         _table("Sensors to see to", wanted, due_after)
         if wanted
