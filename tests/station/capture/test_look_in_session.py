@@ -2,11 +2,13 @@
 nowhere, and costs the recording no frame, no number and no account."""
 
 import os
+import time
 
 import numpy as np
 import pytest
 from capture_rig import (
     HEIGHT,
+    PATIENCE_S,
     PICTURES,
     WIDTH,
     capture_of,
@@ -48,9 +50,20 @@ def session_plan(path, **arguments):
 
 
 def seen_by(client):
-    with client.look() as look:
+    with looked(client) as look:
         content = os.pread(look.descriptor, WIDTH * HEIGHT, 0)
     return np.frombuffer(content, np.uint8).reshape(HEIGHT, WIDTH)
+
+
+def looked(client):
+    """Look, and again as whoever is refused is told to while a frame is still being written."""
+    deadline_s = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            return client.look()
+        except StateConflict as error:
+            if "look again" not in str(error) or time.monotonic() > deadline_s:
+                raise
 
 
 def served(exposure):
