@@ -17,7 +17,7 @@ from demo_station_browser import logged_in as log_in
 from demo_station_data import DemoData
 from demo_station_serving import Demo, served, served_quietly
 from paged_station import Paged
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Locator, Page
 
 from station.logs import log_as
 from station.operations import DataLayout
@@ -75,6 +75,22 @@ def quiet_demo(demo_data, of_this_folder) -> Demo:
 def chromium(of_this_folder) -> Browser:
     """Debian's Chromium."""
     return of_this_folder.enter_context(chromium_running())
+
+
+@pytest.fixture(autouse=True)
+def clicks_wait_for_scripts(monkeypatch):
+    """A person presses what has been there for a moment; what a button does comes with its script.
+
+    Behind a link that was followed its text is there first, and a click in between does nothing.
+    """
+    click = Locator.click
+
+    def click_once_loaded(self, **options):
+        self.wait_for(state="attached")
+        self.page.wait_for_load_state()
+        click(self, **options)
+
+    monkeypatch.setattr(Locator, "click", click_once_loaded)
 
 
 @pytest.fixture

@@ -101,7 +101,6 @@ def test_both_readings_stand_side_by_side(page, quiet_demo, axe, scheme, size):
     row = page.get_by_role("row").filter(has_text="done")
     row.get_by_role("link").click()
     expect(page.get_by_text(re.compile(r"\d+ of \d+ quantities agree"))).to_be_visible()
-    page.wait_for_load_state()  # what a button does comes with the scripts, behind the texts
     page.get_by_role("button", name="Show both profiles").first.click()
     expect(page.get_by_text("The profiles differ by at most")).to_be_visible()
     expect(page.locator(".profiles canvas")).to_have_count(2)
