@@ -3,6 +3,7 @@ from newest_schema import make_store
 from worker_double import a_calibration_document, a_rig_document
 
 from station.operations import DataLayout, utc_now
+from station.operations.collaborators import Station
 from station.pipeline import gauge, rig_gauge
 from station.settings import StationSettings
 from station.store import (
@@ -146,6 +147,19 @@ def ground(tmp_path):
     ground = Ground(tmp_path)
     yield ground
     ground.store.close()
+
+
+class _Deaf:
+    """An engine that is told of jobs and does none: the tests do the steps."""
+
+    def submit(self, _kind, _job_id): ...
+
+    def cancel(self, _job_id): ...
+
+
+@pytest.fixture
+def station(ground):
+    return Station(ground.settings, ground.store, ground.layout, {}, _Deaf(), lambda _: None)
 
 
 @pytest.fixture

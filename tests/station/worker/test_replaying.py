@@ -10,7 +10,6 @@ from test_worker_rigs import BOTH, REAL, bring_true_rig_into_force
 from worker_double import WHEELS, SlowMathematics, a_calibration_document, a_rig_document
 
 from station.operations import ReplayOrder, cancel_job, order_replay, replay_view, utc_now
-from station.operations.collaborators import Station
 from station.store import (
     Actor,
     Calibration,
@@ -30,17 +29,6 @@ from station.worker.measuring import begin_measuring, conclude_measuring, measur
 from station.worker.replaying import begin_replay, conclude_replay, fail_replay, replay_step
 
 PERSON = Actor("metrologist")
-
-
-class Deaf:
-    def submit(self, _kind, _job_id): ...
-
-    def cancel(self, _job_id): ...
-
-
-@pytest.fixture
-def station(ground):
-    return Station(ground.settings, ground.store, ground.layout, {}, Deaf(), lambda _: None)
 
 
 @pytest.fixture

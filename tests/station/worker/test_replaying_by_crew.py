@@ -6,10 +6,9 @@ What is measured is told by a double; that workers read as a pass was read is sh
 from contextlib import nullcontext
 from dataclasses import replace
 
-import dask
 import pytest
+from dask_site import configured_for
 from test_replaying import add_calibration, order, rows
-from test_replaying import station as station  # the fixture
 from worker_double import WHEELS, SlowMathematics
 
 import station.replay.cluster as replay_cluster
@@ -22,7 +21,6 @@ from station.store import Actor, Replay, the
 from station.worker.context import WorkContext
 from station.worker.replaying import begin_replay, conclude_replay, replay_step
 
-TLS = "distributed.comm.tls"
 BOTH = {"left": "of-left", "right": "of-right"}
 NOWHERE = "tcp://127.72.1.1:9"
 
@@ -36,16 +34,8 @@ def crew():
 @pytest.fixture
 def site(crew, tmp_path):
     """The address of a cluster, and Dask configured as on its site."""
-    papers = crew._client.security
-    given = {
-        f"{TLS}.ca-file": papers.tls_ca_file,
-        f"{TLS}.client.cert": papers.tls_client_cert,
-        f"{TLS}.client.key": papers.tls_client_key,
-    }
-    for name, content in given.items():
-        (tmp_path / name).write_text(content)
-    with dask.config.set({name: str(tmp_path / name) for name in given}):
-        yield crew._client.scheduler.address
+    with configured_for(crew, tmp_path) as address:
+        yield address
 
 
 @pytest.fixture
@@ -87,7 +77,7 @@ ONCE_EACH = [
 def test_the_workers_of_the_sites_cluster_measure_each_recording_once(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     site,
     tmp_path,
     monkeypatch,
@@ -107,7 +97,7 @@ def test_the_workers_of_the_sites_cluster_measure_each_recording_once(
 def test_a_rig_is_measured_by_a_cluster_as_it_is_here(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     site,
 ):
     rig = ground.bring_rig_into_force()
@@ -122,7 +112,7 @@ def test_a_rig_is_measured_by_a_cluster_as_it_is_here(
 def test_many_steps_are_given_to_workers_of_this_machine(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     crew,
     tmp_path,
     monkeypatch,
@@ -144,7 +134,7 @@ def test_many_steps_are_given_to_workers_of_this_machine(
 def test_a_cluster_that_does_not_answer_is_one_line_and_the_station_goes_on(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     tmp_path,
     monkeypatch,
 ):
@@ -166,7 +156,7 @@ def test_a_cluster_that_does_not_answer_is_one_line_and_the_station_goes_on(
 def test_a_cluster_that_is_lost_in_the_middle_costs_nothing_that_was_kept(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     tmp_path,
     monkeypatch,
 ):
@@ -186,7 +176,7 @@ def test_a_cluster_that_is_lost_in_the_middle_costs_nothing_that_was_kept(
 def test_a_station_killed_in_the_middle_has_the_crew_do_what_is_left_and_no_more(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     tmp_path,
     monkeypatch,
 ):
@@ -213,7 +203,7 @@ def test_a_station_killed_in_the_middle_has_the_crew_do_what_is_left_and_no_more
 def test_what_a_cluster_cannot_measure_is_named_and_the_others_are_measured(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     site,
 ):
     ground.order_measuring("p1", names={"right": "unreadable"})
@@ -225,7 +215,7 @@ def test_what_a_cluster_cannot_measure_is_named_and_the_others_are_measured(
 def test_a_replay_cancelled_while_a_cluster_works_keeps_nothing_more(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     monkeypatch,
 ):
     class Cancelling(Here):
@@ -246,7 +236,7 @@ def test_a_replay_cancelled_while_a_cluster_works_keeps_nothing_more(
 def test_a_reference_in_a_file_of_the_station_is_measured_against_by_the_station(
     ground,
     context,
-    station,  # noqa: F811  the fixture
+    station,
     tmp_path,
     monkeypatch,
 ):
