@@ -5,15 +5,16 @@ import pytest
 from station.bench import BENCHES
 from station.bench.service import bench_service_viewed
 from station.bench.service.open_loop import Answered
-from station.bench.service.viewed import _Seen, _table
+from station.bench.service.viewed import _Stretch, _table
 from station.progress import silent
 
 RECORDING = {"recorded": 430, "lost": 0, "refused": 0}
 
 
-def seen(took_ms, status=200, views=()):
+def stretch(took_ms, status=200, views=()):
     calls = [Answered(f"{kind} x", status, took_ms, 0.0) for kind in ("GET", "PUT") for _ in "123"]
-    return _Seen(calls, [Answered("view", each, 30.0, 0.0) for each in views], 0.5, 5.0)
+    views = [Answered("view", each, 30.0, 0.0) for each in views]
+    return _Stretch(calls, views, 0.5, 5.0)
 
 
 def table_of(alone, looked):
@@ -25,17 +26,25 @@ def test_the_bench_is_found_by_its_name():
 
 
 def test_calls_may_hardly_take_longer_while_somebody_looks():
-    assert [row["holds"] for row in table_of(seen(20.0), seen(26.0)).rows] == [True, True]
-    assert [row["holds"] for row in table_of(seen(20.0), seen(28.0)).rows] == [False, False]
+    alone = [stretch(20.0)]
+    assert [row["holds"] for row in table_of(alone, [stretch(26.0)]).rows] == [True, True]
+    assert [row["holds"] for row in table_of(alone, [stretch(28.0)]).rows] == [False, False]
+
+
+def test_one_stall_of_the_host_is_told_and_does_not_judge():
+    looked = [stretch(21.0), stretch(900.0), stretch(20.0)]
+    for row in table_of([stretch(20.0)] * 3, looked).rows:
+        assert (row["p99 looked at"], row["from, to, looked at"]) == (21.0, "20 to 900")
+        assert row["holds"]
 
 
 def test_a_call_that_fails_breaks_what_is_asked():
-    rows = table_of(seen(20.0), seen(1.0, status=503)).rows
+    rows = table_of([stretch(20.0)], [stretch(1.0, status=503)]).rows
     assert [(row["failed"], row["holds"]) for row in rows] == [(3, False), (3, False)]
 
 
 def test_pictures_processors_and_frames_are_told():
-    table = table_of(seen(20.0), seen(20.0, views=(200, 200, 503)))
+    table = table_of([stretch(20.0)], [stretch(20.0, views=(200, 200, 503))])
     assert [row["count"] for row in table.rows] == [3, 3]
     _, pictures, processors, recorded = table.notes
     assert "2 of 3 served, p50 30 ms" in pictures
