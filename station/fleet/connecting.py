@@ -2,6 +2,7 @@
 
 from collections.abc import Generator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Self
 
 from pydantic_core import from_json
@@ -60,6 +61,18 @@ def fleet_engine(
     )
     be_patient(engine, Patience(2.0 * _CONNECT_S, statement_s + _GRACE_S, stop))
     return engine
+
+
+def is_there(url: str) -> bool:
+    """Tell whether a database can be asked at all: to ask a missing SQLite file would make one.
+
+    Raises
+    ------
+    InputUnusable
+        If the URL is of no database that the station works with.
+    """
+    parsed = database_url(url)
+    return parsed.get_backend_name() != "sqlite" or Path(parsed.database or "").exists()
 
 
 class Fleet:

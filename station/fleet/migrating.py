@@ -6,7 +6,7 @@ from sqlalchemy import inspect, text
 from sqlalchemy.exc import DBAPIError
 
 from station.errors import StationError
-from station.fleet.connecting import fleet_engine, unusable
+from station.fleet.connecting import fleet_engine, is_there, unusable
 from station.fleet.patience import Stop
 
 VERSION_TABLE = "fleet_alembic_version"
@@ -53,6 +53,8 @@ def fleet_revision(url: str, *, stop: Stop | None = None) -> str | None:
     StoreUnusable
         If it does not answer, or `stop` was said meanwhile.
     """
+    if not is_there(url):
+        return None
     engine = fleet_engine(url, stop=stop)
     try:
         with engine.connect() as connection:
@@ -82,6 +84,8 @@ def ensure_ready(url: str, *, stop: Stop | None = None) -> None:
     revision = fleet_revision(url, stop=stop)
     ensure_not_newer(revision)
     newest = known_revisions()[-1]
+    if revision is None:
+        raise StationError("the fleet's database has no tables yet; run `station fleet init`")
     if revision != newest:
         raise StationError(
             f"the fleet's database is at revision {revision}, this version writes {newest}; "

@@ -57,11 +57,18 @@ def test_init_makes_the_tables_and_a_second_time_changes_nothing(fleet_command):
     assert fleet_command("init", "--json")[1]["before"] == "f0002"
 
 
-def test_a_database_without_tables_is_refused_in_a_line(fleet_command):
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_database_without_tables_is_refused_in_a_line_and_none_is_made(
+    fleet_command, tmp_path, is_there
+):
+    file = tmp_path / "fleet.sqlite"
+    if is_there:
+        file.touch()
     code, said = fleet_command("status")
     assert code == 2
-    assert "run `station fleet init`" in said
+    assert "no tables yet; run `station fleet init`" in said
     assert said.count("\n") == 1
+    assert file.exists() == is_there
 
 
 def test_without_an_address_it_is_said_where_to_give_one(capsys, tmp_path, monkeypatch):
