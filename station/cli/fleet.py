@@ -156,7 +156,7 @@ def _asked(url: str | None, config: Path) -> Generator[Session]:
 
 
 def _url(url: str | None, config: Path) -> str:
-    found = url or credential("fleet_url")
+    found = url or credential("fleet_url", config)
     if found is None and config.exists():
         settings = load_settings(config)
         found = None if settings.fleet is None else settings.fleet.url

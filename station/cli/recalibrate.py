@@ -45,7 +45,8 @@ def recalibrate(
     if sensor is not None:
         sensor_given(settings, sensor)
     if is_held(DataLayout.of(settings).station_lock):
-        results = _by_station(settings, sensor, url, timeout)
+        key = credential("key", config) or credential("admin_key", config)
+        results = _by_station(settings, key, sensor, url, timeout)
     else:
         results = _here(settings, sensor)
     emit({"recalibrations": results}, "\n".join(map(_text, results)), as_json=as_json)
@@ -53,9 +54,12 @@ def recalibrate(
 
 
 def _by_station(
-    settings: StationSettings, sensor: str | None, url: str | None, timeout_s: float
+    settings: StationSettings,
+    key: str | None,
+    sensor: str | None,
+    url: str | None,
+    timeout_s: float,
 ) -> list[Result]:
-    key = credential("key") or credential("admin_key")
     if key is None:
         raise InputUnusable(
             f"a station runs on {settings.data_dir}; put a key of it with scope calibrate into "

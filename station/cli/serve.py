@@ -34,7 +34,7 @@ def serve(
     try:
         supervise(
             settings,
-            admin_key=credential("admin_key"),
+            admin_key=credential("admin_key", config),
             say=lambda line: typer.echo(line, err=True),
             announce=announce,
         )

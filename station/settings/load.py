@@ -19,8 +19,8 @@ from station.settings.station import StationSettings
 def load_settings(path: Path) -> StationSettings:
     """Read the settings from a TOML file; variables ``STATION_NAME`` of the environment win.
 
-    The URLs of the store and the fleet, which may hold passwords, may also come as credentials of
-    the service.
+    The URLs of the store and the fleet, which may hold passwords, may also come as credentials: of
+    the service, or in the folder `credentials` beside the file.
 
     Relative paths in it (data, reference, certificate, key) count from the folder of the file.
 
@@ -61,14 +61,14 @@ def load_settings(path: Path) -> StationSettings:
         raise InputUnusable(f"{path}: cannot be read ({error.strerror})") from error
     reference = path.parent / found.reference
     beside: dict[str, object] = {
-        "store_url": credential("store_url") or found.store_url,
+        "store_url": credential("store_url", path) or found.store_url,
         "data_dir": (path.parent / found.data_dir).resolve(),
         "recalibration": found.recalibration.beside(path.parent),
     }
     if reference.is_file():
         beside["reference"] = str(reference.resolve())
     if found.fleet is not None:
-        url = credential("fleet_url") or found.fleet.url
+        url = credential("fleet_url", path) or found.fleet.url
         beside["fleet"] = found.fleet.model_copy(update={"url": url})
     if found.tls is not None:
         beside["tls"] = found.tls.beside(path.parent)

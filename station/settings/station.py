@@ -33,7 +33,7 @@ class StationSettings(Section):
     store_url: str | None = Field(default=None, repr=False)
     """Database of the store, as postgresql://USER:PASSWORD@HOST/DATABASE; absent: a file (SQLite)
     in `data_dir`.  A password is better given as STATION_STORE_URL in the environment, or as the
-    credential `store_url` of the service."""
+    credential `store_url`."""
     host: str = "127.0.0.1"
     """Address the page and API listen on."""
     port: int = Field(default=8080, ge=0, le=65535)

@@ -118,7 +118,7 @@ def test_the_package_brings_its_user_and_folders(life):
     assert life["modes"] == {
         "/var/lib/treadline": "0o750",
         "/var/lib/treadline/backups": "0o750",
-        "/etc/treadline/credentials": "0o700",
+        "/etc/treadline/credentials": "0o711",
         "/etc/treadline/station.toml": "0o640",
     }
     assert "systemctl enable --now treadline" in life["installing"]

@@ -87,24 +87,48 @@ def test_secrets_come_from_the_folder_of_the_service(config, tmp_path, monkeypat
 def test_the_environment_comes_before_the_folder(tmp_path):
     (tmp_path / "station_key").write_text("of the folder")
     environment = {"CREDENTIALS_DIRECTORY": str(tmp_path), "STATION_KEY": "of the environment"}
-    assert credential("key", environment) == "of the environment"
-    assert credential("key", {"CREDENTIALS_DIRECTORY": str(tmp_path)}) == "of the folder"
-    assert credential("admin_key", environment) is None
+    assert credential("key", environment=environment) == "of the environment"
+    assert (
+        credential("key", environment={"CREDENTIALS_DIRECTORY": str(tmp_path)}) == "of the folder"
+    )
+    assert credential("admin_key", environment=environment) is None
 
 
 def test_an_empty_secret_is_refused(tmp_path):
     (tmp_path / "station_key").write_text("\n")
     with pytest.raises(InputUnusable, match="credential key: its file is empty"):
-        credential("key", {"CREDENTIALS_DIRECTORY": str(tmp_path)})
+        credential("key", environment={"CREDENTIALS_DIRECTORY": str(tmp_path)})
 
 
 def test_a_secret_that_cannot_be_read_is_named(tmp_path):
     (tmp_path / "station_key").mkdir()
     with pytest.raises(InputUnusable, match="credential key: cannot be read"):
-        credential("key", {"CREDENTIALS_DIRECTORY": str(tmp_path)})
+        credential("key", environment={"CREDENTIALS_DIRECTORY": str(tmp_path)})
 
 
 def test_a_folder_of_secrets_that_cannot_be_entered_is_said(tmp_path):
     (tmp_path / "folder").write_text("not one")
     with pytest.raises(InputUnusable, match="credential key: cannot be read"):
-        credential("key", {"CREDENTIALS_DIRECTORY": str(tmp_path / "folder")})
+        credential("key", environment={"CREDENTIALS_DIRECTORY": str(tmp_path / "folder")})
+
+
+def test_who_types_a_command_has_the_secrets_beside_the_settings(config, monkeypatch):
+    for name in ("STATION_STORE_URL", "CREDENTIALS_DIRECTORY"):
+        monkeypatch.delenv(name, raising=False)
+    folder = config.parent / "credentials"
+    folder.mkdir()
+    before = load_settings(config).store_url
+    (folder / "store_url").write_text(f"{SECRET_URL}\n")
+    assert before is None
+    assert load_settings(config).store_url == SECRET_URL
+    of_service = {"CREDENTIALS_DIRECTORY": str(config.parent / "none")}
+    assert credential("store_url", config, of_service) is None
+
+
+def test_a_secret_that_is_not_for_this_user_is_refused_and_not_overlooked(config, monkeypatch):
+    def refuse(path, **_):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "read_text", refuse)
+    with pytest.raises(InputUnusable, match="may not be read by this user; type it as root, or"):
+        credential("store_url", config, {})
