@@ -156,6 +156,24 @@ def test_what_a_button_did_is_said_though_its_part_was_loaded_anew_before_the_an
     page.get_by_text("Pass now-slow has ended").wait_for()
 
 
+def test_what_is_typed_stays_though_the_change_before_is_told_a_second_time(page, served_demo):
+    log_in(page, served_demo, "operate")
+    asked = []
+    page.on("response", lambda answer: asked.append(answer) if "/now/desk" in answer.url else None)
+    _arm(page, "now-typed")
+    page.get_by_label("Axles counted").fill("0")
+    # Told by the arming, and by what is asked every second; here by both once more.
+    for told in ("desk-changed", "pass-changed"):
+        with page.expect_response("**/now/desk") as answered:
+            page.evaluate(f"document.body.dispatchEvent(new CustomEvent('{told}'))")
+        answered.value.finished()
+        page.wait_for_function("() => !document.querySelector('#now-desk.htmx-request')")
+    assert page.get_by_label("Axles counted").input_value() == "0"
+    page.once("dialog", lambda dialog: dialog.accept())
+    page.get_by_role("button", name="Finish the pass").click()
+    page.get_by_role("button", name="Arm all sensors").wait_for()
+
+
 def test_a_camera_that_goes_away_is_said_in_words_and_comes_back_by_itself(page, served_demo, axe):
     log_in(page, served_demo, "read")
     outer = page.locator("article.sensor").filter(has_text="left-outer")

@@ -16,6 +16,14 @@ export function beginParts() {
     desk = deskNow();
     document.body.dispatchEvent(new CustomEvent("desk-changed"));
   });
+
+  // Both a button's answer and what is asked every second tell of a change: what somebody has typed
+  // since the first is not to be put anew by the second.
+  document.body.addEventListener("htmx:beforeSwap", ({ detail }) => {
+    if (detail.target.id !== "now-desk") return;
+    const coming = new DOMParser().parseFromString(detail.serverResponse, "text/html").getElementById("now-desk");
+    if (coming?.dataset.desk === detail.target.dataset.desk) detail.shouldSwap = false;
+  });
 }
 
 function deskNow() {
