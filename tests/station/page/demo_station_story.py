@@ -67,7 +67,11 @@ def tell(desk: Desk, end: datetime) -> Told:
     _night(at(6.0), "right-night-2", 2)
     _refuse(desk)
     replay = _replay(at(4.0), calibrations)
-    _night(at(1.6), "right-night-3", 3)
+    # By the last night there was, whatever the time of day of the end: it leaves what Now shows.
+    evening = _schedule(desk).last_due(end) - timedelta(hours=14)
+    _catch_up(desk, evening)
+    desk.clock.set(evening)
+    desk.session("right-night-3", {RIGHT: desk.pictures.nights[3]}, by=OPERATOR)
     _catch_up(desk, days_before(end, 0.1))
     _weekly(at(0.1), 5)
     _catch_up(desk, end)
