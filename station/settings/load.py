@@ -19,8 +19,9 @@ from station.settings.station import StationSettings
 def load_settings(path: Path) -> StationSettings:
     """Read the settings from a TOML file; variables ``STATION_NAME`` of the environment win.
 
-    The URLs of the store and the fleet, which may hold passwords, may also come as credentials: of
-    the service, or in the folder `credentials` beside the file.
+    The URLs of the store and the fleet, which may hold passwords, may also come as credentials of
+    the service; that of the store also from the folder `credentials` beside the file, for without
+    it another store would be taken for the station's.
 
     Relative paths in it (data, reference, certificate, key) count from the folder of the file.
 
@@ -68,7 +69,7 @@ def load_settings(path: Path) -> StationSettings:
     if reference.is_file():
         beside["reference"] = str(reference.resolve())
     if found.fleet is not None:
-        url = credential("fleet_url", path) or found.fleet.url
+        url = credential("fleet_url") or found.fleet.url
         beside["fleet"] = found.fleet.model_copy(update={"url": url})
     if found.tls is not None:
         beside["tls"] = found.tls.beside(path.parent)

@@ -45,7 +45,7 @@ class _Stretch:
     core_s: float
     took_s: float
 
-    def late_ms(self, kind: str, percent: float) -> float:
+    def took_ms(self, kind: str, percent: float) -> float:
         """Return the percentile of how long the calls of a kind took."""
         return _percentile(_took_ms(self.calls, kind), percent)
 
@@ -148,15 +148,15 @@ def _table(seen: Mapping[bool, Sequence[_Stretch]], recording: Answer, rate_hz: 
 
 
 def _row(kind: str, alone: Sequence[_Stretch], looked: Sequence[_Stretch]) -> dict[str, Value]:
-    late_alone_ms = [stretch.late_ms(kind, _LATE) for stretch in alone]
-    late_ms = [stretch.late_ms(kind, _LATE) for stretch in looked]
+    late_alone_ms = [stretch.took_ms(kind, _LATE) for stretch in alone]
+    late_ms = [stretch.took_ms(kind, _LATE) for stretch in looked]
     failed = sum(stretch.failed(kind) for stretch in (*alone, *looked))
     most_ms = _MOST_RATIO * float(np.median(late_alone_ms)) + _SLACK_MS
     return {
         "what": kind,
         "count": sum(len(_took_ms(stretch.calls, kind)) for stretch in looked),
-        "p50": float(np.median([stretch.late_ms(kind, 50.0) for stretch in alone])),
-        "p50 looked at": float(np.median([stretch.late_ms(kind, 50.0) for stretch in looked])),
+        "p50": float(np.median([stretch.took_ms(kind, 50.0) for stretch in alone])),
+        "p50 looked at": float(np.median([stretch.took_ms(kind, 50.0) for stretch in looked])),
         "p99": float(np.median(late_alone_ms)),
         "from, to": _from_to(late_alone_ms),
         "p99 looked at": float(np.median(late_ms)),

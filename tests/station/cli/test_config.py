@@ -132,3 +132,16 @@ def test_a_secret_that_is_not_for_this_user_is_refused_and_not_overlooked(config
     monkeypatch.setattr(Path, "read_text", refuse)
     with pytest.raises(InputUnusable, match="may not be read by this user; type it as root, or"):
         credential("store_url", config, {})
+
+
+def test_who_may_not_read_the_fleets_secret_loads_the_settings_all_the_same(config, monkeypatch):
+    """An upgrade has the station's user back up the store: the fleet is none of its business."""
+    for name in ("STATION_FLEET_URL", "CREDENTIALS_DIRECTORY"):
+        monkeypatch.delenv(name, raising=False)
+    config.write_text(config.read_text() + '[fleet]\nurl = "sqlite:////fleet.sqlite"\n')
+    (config.parent / "credentials" / "fleet_url").mkdir(parents=True)  # whoever reads it fails
+    with pytest.raises(InputUnusable, match="credential fleet_url: cannot be read"):
+        credential("fleet_url", config)
+    fleet = load_settings(config).fleet
+    assert fleet is not None
+    assert fleet.url == "sqlite:////fleet.sqlite"

@@ -158,8 +158,6 @@ def test_what_a_button_did_is_said_though_its_part_was_loaded_anew_before_the_an
 
 def test_what_is_typed_stays_though_the_change_before_is_told_a_second_time(page, served_demo):
     log_in(page, served_demo, "operate")
-    asked = []
-    page.on("response", lambda answer: asked.append(answer) if "/now/desk" in answer.url else None)
     _arm(page, "now-typed")
     page.get_by_label("Axles counted").fill("0")
     # Told by the arming, and by what is asked every second; here by both once more.
