@@ -2,7 +2,6 @@
 
 from collections.abc import Generator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Self
 
 from pydantic_core import from_json
@@ -12,7 +11,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from station.errors import InputUnusable, StoreUnusable
 from station.fleet.patience import Patience, Stop, be_patient
-from station.store import database_url, looking, sqlite_engine
+from station.store import database_url, file_of, looking, sqlite_engine
 
 _STATEMENT_S = 60.0
 _LOOK_S = 30.0
@@ -71,8 +70,8 @@ def is_there(url: str) -> bool:
     InputUnusable
         If the URL is of no database that the station works with.
     """
-    parsed = database_url(url)
-    return parsed.get_backend_name() != "sqlite" or Path(parsed.database or "").exists()
+    file = file_of(url)
+    return file is None or file.exists()
 
 
 class Fleet:
